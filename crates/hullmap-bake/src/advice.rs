@@ -1,8 +1,6 @@
 //! Warnings and notes about hulls that bake, but may not be what the user meant.
 //!
-//! The command, its report, Python and the browser print them in the same words, and a pack keeps
-//! the warnings ([`SourceRecord::warnings`](crate::SourceRecord)). All thresholds are ratios, so
-//! that scaling a mesh changes nothing; the one exception is the range of f32.
+//! All thresholds are ratios, so that scaling a mesh changes nothing, except for the range of f32.
 
 use std::collections::HashMap;
 
@@ -13,23 +11,19 @@ use crate::{BakedHull, Fit, PointSet, SolidKind, mass};
 
 pub mod usability;
 
-/// Diameter over width above which a hull is thin: of the seven digits of f32, three are left
-/// across it.
+/// Diameter over width above which a hull is thin: f32 leaves three of its seven digits across it.
 const THIN: f64 = 1e4;
 
-/// Number of vertices above which a hull is huge: 13 MB in a pack, more than the processor's inner
-/// caches hold, so that every query waits for memory.
+/// A pack with more vertices takes over 13 MB, more than the processor's inner caches hold.
 const HUGE_VERTICES: usize = 1 << 16;
 
 /// Coordinate above which a hull is huge: its square overflows f32, and engines that measure
 /// distances in f32 get infinities. This is the only threshold with a unit: the unit of the source.
 const HUGE_COORDINATE: f64 = 1.8e19;
 
-/// Error relative to the size above which an inexact hull is a warning instead of a note: contacts
-/// that are off by a hundredth of the size are visible.
+/// Relative error above which an inexact hull is a warning: the errors of contacts are visible.
 const LOOSE: f64 = 0.01;
 
-/// Maximum number of names in a sentence about several hulls.
 const MAX_NAMES: usize = 8;
 
 /// A sentence for the user about one hull or object.
@@ -39,7 +33,6 @@ pub struct Remark {
     pub is_warning: bool,
     /// Remarks of one topic become one sentence.
     topic: String,
-    /// The hull or object.
     name: String,
     text: String,
     /// Among remarks on one topic, the one with the largest weight is shown in full.
@@ -177,8 +170,8 @@ pub fn simplified(facts: &HullMeasures) -> Option<Remark> {
     Some(Remark::by_size("simplified", name, text, outer_error, diameter, remedy))
 }
 
-/// The hull of a whole mesh that fills its cavities; `None` if it hardly does, for a part, and if
-/// the mesh encloses no known volume.
+/// The hull of a whole mesh that fills its cavities. `None` for a part, for small cavities, and for
+/// a mesh without a known volume.
 pub fn concave(baked: &BakedHull) -> Option<Remark> {
     let mesh = baked.mesh_mass.as_ref().filter(|_| baked.fit.is_none() && baked.hull.rank == 3)?;
     let excess = mass::mass(&baked.hull).volume / mesh.volume - 1.0;
@@ -197,7 +190,7 @@ pub fn concave(baked: &BakedHull) -> Option<Remark> {
 /// How the parts of an object fit its mesh, as proven bounds; lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartsFit {
-    /// What counts as the inside of the mesh.
+    /// Kind of the mesh's solid.
     pub solid: SolidKind,
     /// Bound on how far a point of the surface lies outside all parts.
     pub uncovered: f64,
@@ -234,13 +227,12 @@ pub fn estimates(name: &str, found: &Looseness, voids: Option<f64>) -> Remark {
     Remark { weight: found.overlap, ..Remark::note("estimates", name, text) }
 }
 
-/// Distance of a part from its mesh's convex hull, relative to the diagonal, from which a note says
-/// so: a body of 1 m that rests on that part floats 1 cm above what is seen.
+/// Bulge, relative to the diagonal, above which there is a note: a body of 1 m that rests on that
+/// part floats 1 cm above the visible surface.
 const BULGE: f64 = 0.01;
 
-/// Note on parts that extend beyond the convex hull of their mesh, by at most the length `outside`;
-/// `None` if it is short. Planes of the mesh's hull bound the parts as far as the number of
-/// vertices allows, so the hull is round there.
+/// Note on parts that extend beyond their mesh's convex hull by at most the length `outside`;
+/// `None` if it is short. A limit on vertices makes the planes on that side round it off.
 pub fn bulge(name: &str, outside: f64, diagonal: f64, cover: &Cover) -> Option<Remark> {
     let share = outside / diagonal;
     // Written so that NaN is no remark.
@@ -256,7 +248,8 @@ pub fn bulge(name: &str, outside: f64, diagonal: f64, cover: &Cover) -> Option<R
     })
 }
 
-/// Note on the number of parts that primitives may replace; `is_late` if the time ended the search.
+/// Note on the number of parts that primitives may replace; `is_late` if the deadline ended the
+/// search.
 pub fn primitives(name: &str, count: usize, of: usize, is_late: bool) -> Remark {
     let noun = if of == 1 { "part" } else { "parts" };
     let late = if is_late { "; --decompose-seconds ended the search for more" } else { "" };
@@ -326,12 +319,11 @@ pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64, reachab
     Remark::by_size("parts", name, text, uncovered, size, "to cover more, decompose the mesh with --decompose")
 }
 
-/// Area of closed holes, relative to the mesh's area, from which they may be openings that are
-/// meant.
+/// Area of closed holes, relative to the mesh's, above which they may be intended openings.
 const OPENING: f64 = 0.05;
 
-/// Warning about a decomposed mesh with large holes, which were closed, so that what was open
-/// counts as solid. `share` is the area of the triangles that close them, relative to the mesh's.
+/// Warning about a mesh whose large holes were closed, which made their inside solid. `share` is
+/// the holes' area relative to the mesh's.
 pub fn openings(name: &str, share: f64) -> Option<Remark> {
     // NaN takes the failing branch.
     (share >= OPENING).then(|| {
@@ -344,8 +336,7 @@ pub fn openings(name: &str, share: f64) -> Option<Remark> {
     })
 }
 
-/// Warning about a closed mesh whose mass is unknown, because some triangles face the other way
-/// than the others.
+/// Warning about a closed mesh without a known mass, because some triangles are reversed.
 pub fn reversed(mesh: &PointSet) -> Option<Remark> {
     let (reversed, is_closed) = fit::reversed(mesh);
     let (name, first) = (&mesh.name, *reversed.first().filter(|_| is_closed)?);

@@ -9,8 +9,7 @@
 //! # Reference
 //! MacDonald, Booth, "Heuristics for ray tracing using space subdivision", 1990.
 //!
-//! # Deviations
-//! - Hulls are split at the median if any other split could make the tree too deep.
+//! Deviation: hulls are split at the median if any other split could make the tree too deep.
 
 use std::collections::VecDeque;
 
@@ -51,7 +50,6 @@ pub fn build(hulls: &mut [HullRecord]) -> Vec<BvhNode> {
     nodes
 }
 
-/// An axis-aligned bounding box.
 #[derive(Clone, Copy)]
 struct Bounds {
     low: [f32; 3],
@@ -82,9 +80,7 @@ impl Bounds {
 }
 
 /// Splits `below`, which must hold at least two hulls: keeps one side in `below` and returns the
-/// other.
-///
-/// `levels` is the number of levels still available below this node.
+/// other. `levels` is the number of levels available below this node.
 fn split(hulls: &[HullRecord], below: &mut Vec<usize>, levels: u32) -> Vec<usize> {
     let mut best = (f64::INFINITY, 0, below.len() / 2);
     let is_deep = below.len().next_power_of_two().ilog2() >= levels;
@@ -113,7 +109,6 @@ fn split(hulls: &[HullRecord], below: &mut Vec<usize>, levels: u32) -> Vec<usize
     below.split_off(best.2)
 }
 
-/// Sorts by the centres of the boxes along an axis, then by index.
 fn sort(hulls: &[HullRecord], below: &mut [usize], axis: usize) {
     let twice_middle = |hull: usize| f64::from(hulls[hull].bounds_min[axis]) + f64::from(hulls[hull].bounds_max[axis]);
     below.sort_unstable_by(|a, b| twice_middle(*a).total_cmp(&twice_middle(*b)).then(a.cmp(b)));
@@ -168,8 +163,7 @@ mod tests {
         }
     }
 
-    /// Boxes that double in size and distance would be split off one by one without the depth
-    /// limit.
+    /// Without the depth limit, boxes that double in size and distance are split off one by one.
     #[test]
     fn no_tree_is_too_deep() {
         let mut hulls = boxes(120, |i| [2_f32.powi(i as i32), 0.0, 0.0]);

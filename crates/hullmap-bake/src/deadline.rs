@@ -1,4 +1,4 @@
-//! When a computation stops for lack of time.
+//! Deadlines.
 
 use std::time::Duration;
 
@@ -19,8 +19,7 @@ impl Deadline {
         Self::by(monotonic, seconds)
     }
 
-    /// The deadline `seconds` from now by a clock of the caller, for instance one that counts how
-    /// often it is read.
+    /// The deadline `seconds` from now by the caller's clock.
     pub fn by(clock: Clock, seconds: f64) -> Self {
         let never = if seconds < 0.0 { Duration::ZERO } else { Duration::MAX };
         let limit = Duration::try_from_secs_f64(seconds).unwrap_or(never);

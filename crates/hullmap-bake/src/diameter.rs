@@ -8,14 +8,11 @@
 //! There are two bounds, and the smaller one counts:
 //!
 //! - the distance between the far corners of the groups' bounding boxes;
-//! - for round shapes, the distance between points seen from a common centre: two groups that are
-//!   not opposite each other have no pair as long as the sum of their radii. On a sphere, the boxes
-//!   of all nearly opposite groups reach farther than the sphere is wide, and the search takes
-//!   n^1.5 steps with the boxes alone.
+//! - the distance as seen from a common centre: groups that are not opposite each other have no
+//!   pair as long as the sum of their radii. On a sphere, the boxes alone take n^1.5 steps.
 
 use glam::DVec3;
 
-/// Maximum number of points in a group that is not halved further.
 const GROUP: usize = 16;
 
 /// Relative margin of the second bound: far more than its rounding error, and far less than the
@@ -34,11 +31,9 @@ pub fn diameter(points: &[DVec3]) -> f64 {
     search(points).best_sq.sqrt()
 }
 
-/// State of a search.
 #[derive(Default)]
 struct DiameterSearch {
     best_sq: f64,
-    /// Pairs of groups and pairs of points compared.
     work: usize,
 }
 
@@ -64,10 +59,8 @@ struct Group<'a> {
 
 /// A cone with its apex in the common centre that contains a group's points.
 struct Cone {
-    /// Maximum distance of a point from the centre.
     radius: f64,
     axis: DVec3,
-    /// Cosine and sine of the half angle.
     cos: f64,
     sin: f64,
 }
@@ -87,7 +80,8 @@ impl Cone {
         let (a, b) = (self.radius, other.radius);
         // Written so that NaN gives the full length.
         let cos = if self.cos > NARROW && other.cos > NARROW {
-            // Of the angle by which the axes differ from opposite ones, and of both half angles.
+            // Cosines of the angle between one axis and the other's opposite, and of both half
+            // angles together.
             let (apart, wide) = (-self.axis.dot(other.axis), self.cos * other.cos - self.sin * other.sin);
             if apart >= wide {
                 1.0
@@ -125,7 +119,6 @@ impl<'a> Group<'a> {
         Self { low, high, cone, points: &[], halves }
     }
 
-    /// Bound on the square of the distance between a point of this group and a point of the other.
     fn reach_sq(&self, other: &Self) -> f64 {
         let boxes = (self.high - other.low).max(other.high - self.low).length_squared();
         boxes.min(self.cone.reach_sq(&other.cone))
@@ -178,7 +171,6 @@ mod tests {
         family.points(n, seed).iter().map(|p| DVec3::from_array(p.map(f64::from))).collect()
     }
 
-    /// The slow, obvious twin.
     fn slow(points: &[DVec3]) -> f64 {
         points.iter().flat_map(|p| points.iter().map(|q| p.distance_squared(*q))).fold(0.0, f64::max).sqrt()
     }

@@ -8,10 +8,7 @@ use rkyv::{Serialize, api::high::HighSerializer, rancor, ser::allocator::ArenaHa
 
 use crate::BakeError;
 
-/// The bytes of a file with this archive. `header` returns the header for a payload.
-///
-/// # Errors
-/// [`BakeError::PackTooLarge`] if the file exceeds 2 GiB.
+/// The bytes of a file with this archive, whose `header` is a function of the payload.
 pub(crate) fn bytes<T>(archive: &T, header: impl FnOnce(&[u8]) -> Header) -> Result<Vec<u8>, BakeError>
 where
     T: for<'a> Serialize<HighSerializer<Vec<u8>, ArenaHandle<'a>, rancor::Error>>,

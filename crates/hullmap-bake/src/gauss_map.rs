@@ -1,10 +1,9 @@
 //! Gauss map of a hull: the normal cone of each vertex, that is the set of directions in which it
 //! is the support vertex.
 //!
-//! The cones tile the sphere. The corners of a cone are the normals of the faces that meet at the
-//! vertex. Its sides are the arcs between these normals. The arc between the normals of two faces
-//! is at right angles to their common edge. Two cones that share an arc have bitwise equal ends
-//! there, so that no direction falls between them.
+//! The cones tile the sphere. A cone's corners are the normals of the faces at the vertex, and its
+//! sides are the arcs between them, at right angles to the edges of the hull. Two cones have
+//! bitwise equal ends of a common arc, so that no direction falls between them.
 //!
 //! An arc longer than a right angle gets an additional corner. Interpolation along it would lose
 //! digits, and would lose all of them on a hull as thin as [`crate::hull::rank::FLAT`] allows.
@@ -41,7 +40,6 @@ pub struct GaussMap {
     positions: Vec<DVec3>,
 }
 
-/// A corner of a face: vertex `at`, with the vertices before and after it.
 struct Corner {
     at: u32,
     after: u32,
@@ -110,8 +108,7 @@ impl GaussMap {
         }
     }
 
-    /// Adds the cone of a vertex. `around` lists the face corners at it, sorted by the vertex after
-    /// each.
+    /// Adds the cone of a vertex, given its face corners, sorted by the vertex after each.
     fn push_cone(&mut self, around: &[Corner]) {
         let mut corner = &around[0];
         for _ in 0..around.len() {
@@ -130,7 +127,6 @@ impl GaussMap {
         self.end_piece(around[0].at);
     }
 
-    /// Ends the piece of `vertex`. Its corners are the ones pushed last.
     fn end_piece(&mut self, vertex: u32) {
         let start = self.pieces.last().map_or(0, |(_, end)| *end as usize);
         let corners = self.corners[start..].iter().map(|corner| self.directions[*corner as usize]);
@@ -184,17 +180,14 @@ impl GaussMap {
         &self.neighbours[start..end]
     }
 
-    /// Normal of the plane between the cones of two vertices that share an edge. The cone of
-    /// `vertex` lies in front.
+    /// Normal of the plane between the cones of two neighbours, with `vertex` in front.
     pub fn plane_between(&self, vertex: u32, neighbour: u32) -> DVec3 {
         (self.positions[vertex as usize] - self.positions[neighbour as usize]).normalize()
     }
 }
 
-/// Unit outward normal of a face, from all its corners.
-///
-/// The faces of a solid are exactly planar. A polygon of rank 2 may deviate from its plane by as
-/// much as [`crate::hull::rank::FLAT`], so all corners contribute.
+/// Unit outward normal of a face. All corners contribute, because a polygon of rank 2 may deviate
+/// from its plane by as much as [`crate::hull::rank::FLAT`].
 fn facet_normal(face: &[u32], positions: &[DVec3]) -> DVec3 {
     area_vector(face, positions).normalize()
 }
@@ -212,8 +205,7 @@ mod tests {
         (hull, map)
     }
 
-    /// Checks that the vertex of a cone is a support vertex in the direction of each of the cone's
-    /// corners.
+    /// Checks that the vertex is a support vertex in the directions of its cone's corners.
     fn check(hull: &Hull, map: &GaussMap) {
         let positions = hull.positions();
         assert_eq!(map.vertex_count(), positions.len());
@@ -235,14 +227,12 @@ mod tests {
         }
     }
 
-    /// Number of corners of each piece.
     fn sizes(map: &GaussMap) -> Vec<usize> {
         let mut sizes = Vec::new();
         for_each_piece(map, |_, piece| sizes.push(piece.len()));
         sizes
     }
 
-    /// A piece that is skipped has no direction near the cube's face.
     #[test]
     fn skipped_pieces_do_not_meet_the_face() {
         for family in shapes::families::Family::ALL {

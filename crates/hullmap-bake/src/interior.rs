@@ -1,5 +1,4 @@
-//! Interior of a hull: its centroid, a ball around it inside the hull, and a ball around it that
-//! contains the hull.
+//! Interior of a hull: its centroid, and balls around it inside and around the hull.
 
 use glam::DVec3;
 
@@ -8,8 +7,7 @@ use crate::{
     mass::Mass,
 };
 
-/// Safety margin of both radii, relative to the outer radius. The rounding error of the distances
-/// is a thousandth of it.
+/// Safety margin of both radii, relative to the outer radius: a thousand times the rounding error.
 const SAFETY: f64 = 1e-12;
 
 /// Starting point of a collision query, and its cheapest bounds.
@@ -41,7 +39,6 @@ pub fn interior(hull: &Hull, mass: &Mass) -> Interior {
     Interior { point, inner_radius: inner.max(0.0), outer_radius: outer + margin }
 }
 
-/// Distance from the origin to a face's plane, positive inside.
 fn distance_to_plane(face: &[u32], vertices: &[DVec3]) -> f64 {
     area_vector(face, vertices).normalize().dot(vertices[face[0] as usize])
 }

@@ -65,8 +65,7 @@ pub struct SourceRecord {
     pub hash: u128,
     /// The options that affect the bake, as one line of text.
     pub options: String,
-    /// Warnings about the mesh and its hulls, one line each. The header holds the hash of options
-    /// and warnings.
+    /// Warnings about the mesh and its hulls, one line each; hashed in the header with the options.
     pub warnings: Vec<String>,
 }
 
@@ -79,23 +78,21 @@ pub struct BakedHull {
     pub point_count: usize,
     /// Origin of the hull's frame in the source's frame.
     pub origin: [f64; 3],
-    /// Maximum distance by which the hull exceeds the convex hull of its source points; 0 for an
-    /// exact hull.
+    /// Maximum distance by which the hull exceeds the convex hull of its source points; 0 if exact.
     pub outer_error: f64,
-    /// Index among the convex parts of its source object; 0 for the first part, and for a hull that
-    /// is not a part.
+    /// Index among the convex parts of its source object; 0 for a hull that is not a part.
     pub part: u32,
     /// Number of convex parts of its source object; 0 for a hull that is not a part.
     pub part_count: u32,
     /// How it fits the source object; `None` if that was not measured. Only parts are measured.
     pub fit: Option<Fit>,
-    /// Mass properties of the solid that the source object's mesh bounds; `None` if it is unknown.
-    /// Of the parts of an object, the first one's counts.
+    /// Mass properties of the source mesh's solid, if known. For a multi-part object, the first
+    /// part's value is used.
     pub mesh_mass: Option<mass::Mass>,
-    /// Share of that solid that lies in no part; `None` if it is unknown. Of the parts of an
-    /// object, the first one's counts.
+    /// Share of that solid that lies in no part, if known. For a multi-part object, the first
+    /// part's value is used.
     pub voids: Option<fit::VoidsShare>,
-    /// A primitive that may replace it; `None` if there is none, or none was sought.
+    /// A primitive that may replace it, if one was searched for and found.
     pub primitive: Option<primitive::ProvenPrimitive>,
     /// The hull.
     pub hull: hull::Hull,
@@ -103,8 +100,7 @@ pub struct BakedHull {
     pub mass: mass::Mass,
     /// Its centroid, inner ball and outer ball.
     pub interior: interior::Interior,
-    /// Vertices of the outer hull, a coarse polytope that contains it; empty if the hull itself is
-    /// coarse.
+    /// Vertices of the outer hull, a coarse polytope that contains it; empty if the hull is coarse.
     pub outer: Vec<[f32; 3]>,
     /// Its direction index.
     pub index: index::Index,
@@ -139,8 +135,7 @@ pub fn bake_hull(points: &PointSet, index: IndexKind) -> Result<BakedHull, BakeE
     bake_hull_in(points, None, index, Stage::default())
 }
 
-/// Builds, simplifies within `limit`, certifies and indexes the hull of `points`. A hull that
-/// already satisfies the limit is not simplified.
+/// Builds, simplifies within `limit` if necessary, certifies and indexes the hull of `points`.
 ///
 /// # Errors
 /// See [`BakeError`].
@@ -204,7 +199,6 @@ pub fn bake_hull_in(
     })
 }
 
-/// The examples of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 pub struct Readme;

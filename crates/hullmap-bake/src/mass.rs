@@ -63,7 +63,6 @@ pub(crate) fn entries(matrix: DMat3) -> [f64; 6] {
     [c[0][0], c[1][1], c[2][2], c[1][2], c[2][0], c[0][1]]
 }
 
-/// Integrals of 1, x and xxᵀ over simplices.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Simplices {
     pub(crate) measure: f64,
@@ -92,8 +91,7 @@ impl Simplices {
         self.second += simplex.second;
     }
 
-    /// Centroid, and second moments about it. Both are relative to the measure; not finite if it is
-    /// 0.
+    /// Centroid, and second moments about it, relative to the measure; not finite if that is 0.
     pub(crate) fn centroid_and_moments(&self) -> (DVec3, DMat3) {
         let centroid = self.first / self.measure;
         (centroid, self.second * (1.0 / self.measure) - outer(centroid))
@@ -111,7 +109,6 @@ impl Simplices {
     }
 }
 
-/// The matrix ppᵀ.
 pub(crate) fn outer(p: DVec3) -> DMat3 {
     DMat3::from_cols(p * p.x, p * p.y, p * p.z)
 }

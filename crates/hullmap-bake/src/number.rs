@@ -1,23 +1,15 @@
 //! Numbers in messages, as people write them: `0.05`, not `5.000e-2`.
 
-/// Numbers below this, and above the square of its inverse, are written with an exponent: `1e-5`,
-/// not `0.00001`.
+/// Numbers below this, or above its inverse square, have an exponent: `1e-5`, not `0.00001`.
 pub const LEAST_PLAIN: f64 = 1e-4;
 
 /// Number of significant digits of a length or a ratio in a sentence.
 const DIGITS: usize = 3;
 
-/// Number of significant digits that distinguish values of f32, the type of all geometry: it has
-/// between 7 and 8.
+/// Number of significant digits that distinguish f32 values: between 7 and 8.
 const DIGITS_OF_F32: usize = 7;
 
 /// A length or a ratio in a sentence: three significant digits, or all digits before the point.
-///
-/// ```
-/// use hullmap_bake::number::short;
-///
-/// assert_eq!([0.05, 1234.5678, 9.9e-8, 0.0].map(short), ["0.05", "1235", "9.9e-8", "0"]);
-/// ```
 pub fn short(value: f64) -> String {
     significant(value, DIGITS)
 }
@@ -33,12 +25,6 @@ pub fn percent(ratio: f64) -> String {
 }
 
 /// A number with its digits in groups of three.
-///
-/// ```
-/// use hullmap_bake::number::grouped;
-///
-/// assert_eq!([0, 999, 1000, 100_000].map(grouped), ["0", "999", "1 000", "100 000"]);
-/// ```
 pub fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::with_capacity(digits.len() * 4 / 3);
@@ -51,8 +37,7 @@ pub fn grouped(number: u64) -> String {
     text
 }
 
-/// A number with `digits` significant digits, or more if there are more before the point, and no
-/// trailing zeros, for any magnitude.
+/// A number with `digits` significant digits, or all before the point, without trailing zeros.
 pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -108,7 +93,6 @@ mod tests {
         assert_eq!(significant(f64::NAN, 7), "NaN");
     }
 
-    /// Messages had numbers such as `0.0e0` and `5.000e-2`.
     #[test]
     fn numbers_in_sentences_are_short() {
         for (value, expected) in [
@@ -126,5 +110,6 @@ mod tests {
             assert_eq!(short(value), expected);
         }
         assert_eq!([0.0, 0.02, 0.123_45, 2.0, 1e-9].map(percent), ["0%", "2%", "12.3%", "200%", "1e-7%"]);
+        assert_eq!([0, 999, 1000, 100_000].map(grouped), ["0", "999", "1 000", "100 000"]);
     }
 }

@@ -1,8 +1,7 @@
 //! Outer hull (14-DOP): a coarse polytope that contains a hull, for yes/no queries to test first.
 //!
-//! It is the intersection of fourteen half-spaces: the six of the bounding box, and eight that cut
-//! off the box's corners where the hull leaves room. It has at most 24 vertices, and only these are
-//! stored.
+//! The intersection of fourteen half-spaces: the bounding box's six, and eight that cut off its
+//! corners. Only its vertices, at most 24, are stored.
 //!
 //! # Reference
 //! Klosowski et al., "Efficient Collision Detection Using Bounding Volume Hierarchies of k-DOPs",
@@ -13,11 +12,10 @@
 //!    hulls as well as round ones.
 //! 2. Compute the supporting planes in the fourteen directions, and push them outward by more than
 //!    rounding to f32 can move a vertex inward.
-//! 3. Intersect every three planes. The points behind all planes are the vertices. A point in front
-//!    of a plane by no more than rounding error is included, since more points only enlarge the
-//!    polytope.
-//! 4. Certify with exact predicates that the hull of the rounded vertices contains every vertex of
-//!    the hull. If it does not, push the planes further.
+//! 3. Intersect every three planes. The vertices are the points behind all planes, within rounding
+//!    error: more points only enlarge the polytope.
+//! 4. Certify with exact predicates that the rounded vertices' hull contains the hull. If not, push
+//!    the planes further.
 
 use std::collections::BTreeSet;
 
@@ -37,23 +35,19 @@ const COARSE_ENOUGH: usize = 32;
 /// Maximum number of vertices, which is the reader's limit.
 const MAX_VERTICES: usize = hullmap_format::check::MAX_OUTER_VERTICES;
 
-/// Initial distance by which the planes are pushed outward, relative to the largest coordinate.
-/// Rounding to f32 moves a coordinate by up to 6e-8 of itself.
+/// Initial relative push of the planes. Rounding to f32 moves a coordinate by up to 6e-8 of itself.
 const MARGIN: f64 = 4e-7;
 
 /// Number of margins tried, each four times the previous one, before the hull gets no outer hull.
 const MAX_TRIES: u32 = 8;
 
-/// Maximum distance in front of a plane at which a point counts as behind it, in scaled
-/// coordinates.
+/// Maximum distance in front of a plane, in scaled coordinates, that counts as behind it.
 const BEHIND: f64 = 1e-9;
 
-/// Minimum determinant of three planes that meet in a point. For these planes, it is either 0 or at
-/// least 1.
+/// Minimum determinant of three planes that meet in a point; here, it is 0 or at least 1.
 const MEET: f64 = 0.5;
 
-/// Axes of the planes' normals, in coordinates in which the box is a cube. Each axis gives two
-/// opposite normals.
+/// Axes of the normals, in coordinates in which the box is a cube; each axis gives two normals.
 const AXES: [DVec3; 7] = [
     DVec3::X,
     DVec3::Y,
@@ -64,9 +58,8 @@ const AXES: [DVec3; 7] = [
     DVec3::new(-1.0, 1.0, 1.0),
 ];
 
-/// The vertices of a coarse polytope that contains `hull`, in a fixed order.
-///
-/// Empty if the hull itself is coarse, or if no such polytope can be certified.
+/// The vertices of a coarse polytope that contains `hull`, in a fixed order. Empty if the hull is
+/// coarse, or if none can be certified.
 ///
 /// # Complexity
 /// O(n): fourteen dot products and about thirty exact predicates per vertex.
@@ -80,8 +73,6 @@ pub fn outer(hull: &Hull) -> Vec<[f32; 3]> {
     polytopes.into_iter().find(|outer| outer.len() <= MAX_VERTICES && holds(outer, &positions)).unwrap_or_default()
 }
 
-/// The vertices of the polytope whose planes are pushed outward by `margin` times the largest
-/// coordinate.
 fn polytope(positions: &[DVec3], margin: f64) -> Vec<[f32; 3]> {
     let low = positions.iter().copied().reduce(DVec3::min).unwrap_or_default();
     let high = positions.iter().copied().reduce(DVec3::max).unwrap_or_default();
@@ -116,7 +107,6 @@ fn polytope(positions: &[DVec3], margin: f64) -> Vec<[f32; 3]> {
     vertices.into_iter().map(|bits| bits.map(f32::from_bits)).collect()
 }
 
-/// Whether the hull of `outer` is a solid that contains all `positions`. Exact.
 pub(crate) fn holds(outer: &[[f32; 3]], positions: &[DVec3]) -> bool {
     let points = PointSet {
         name: String::new(),
@@ -153,8 +143,7 @@ mod tests {
         hull::build(&PointSet { name: String::new(), positions, source_vertices, ..PointSet::default() }).unwrap()
     }
 
-    /// `outer` certifies containment itself. Support values check it independently here, and also
-    /// that the polytope is tight.
+    /// Support values check containment independently, and that the polytope is tight.
     #[test]
     fn contains_the_hull_and_fits_its_box() {
         let mut rng = shapes::rng::SplitMix64::new(5);

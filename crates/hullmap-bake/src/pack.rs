@@ -20,7 +20,6 @@ use crate::{
     primitive::{Primitive, ProvenPrimitive},
 };
 
-/// Contents of a pack for each hull.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Detail {
     Full,
@@ -30,10 +29,8 @@ enum Detail {
 /// The bytes of a pack that contains `hulls`: a pure function of the arguments.
 ///
 /// # Errors
-/// - [`BakeError::Empty`] if there are no hulls.
-/// - [`BakeError::Origins`] if the hulls have different origins.
-/// - [`BakeError::Parts`] if the parts of an object are not consecutive, or contradict each other.
-/// - [`BakeError::PackTooLarge`] if the pack exceeds 2 GiB.
+/// No hulls, different origins, a pack above 2 GiB, or parts of an object that are not consecutive
+/// or contradict each other.
 pub fn write_pack(hulls: &[BakedHull], source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     check(hulls)?;
     write(Meshes::from_hulls(hulls), hulls.iter().cloned(), source, Detail::Full)
@@ -55,20 +52,6 @@ pub fn write_owned_pack(hulls: Vec<BakedHull>, source: &SourceRecord) -> Result<
 ///
 /// # Errors
 /// The errors of [`write_pack`].
-///
-/// # Examples
-/// ```
-/// use hullmap_bake::{IndexKind, PointSet, bake_hull, write_lean_pack, write_owned_pack};
-///
-/// let corners = |i: usize| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32];
-/// let (positions, source_vertices) = ((0..8).map(corners).collect(), (0..8).collect());
-/// let cube = PointSet { positions, source_vertices, ..PointSet::default() };
-/// let hulls = vec![bake_hull(&cube, IndexKind::Tree)?];
-/// let full = write_owned_pack(hulls.clone(), &Default::default())?;
-/// let lean = write_lean_pack(hulls, &Default::default())?;
-/// assert!(lean.len() + 300 < full.len());
-/// # Ok::<(), hullmap_bake::BakeError>(())
-/// ```
 pub fn write_lean_pack(hulls: Vec<BakedHull>, source: &SourceRecord) -> Result<Vec<u8>, BakeError> {
     check(&hulls)?;
     write(Meshes::from_hulls(&hulls), hulls.into_iter(), source, Detail::Lean)
@@ -121,8 +104,7 @@ pub(crate) fn options_text(source: &SourceRecord) -> String {
     text
 }
 
-/// Checks that each object's parts are consecutive, complete, and measured against one solid. A
-/// reader rejects other packs.
+/// Checks that each object's parts are consecutive, complete, and measured against one solid.
 fn check_parts(hulls: &[BakedHull]) -> Result<(), BakeError> {
     let shared = |baked: &BakedHull| baked.fit.map(|fit| (fit.solid, fit.uncovered));
     let mut rest = hulls;
@@ -141,13 +123,9 @@ fn check_parts(hulls: &[BakedHull]) -> Result<(), BakeError> {
     Ok(())
 }
 
-/// What a pack records about the meshes of its hulls.
 struct Meshes {
-    /// The mass of the mesh of each object, at its first hull.
     masses: Vec<Option<MassRecord>>,
-    /// The voids of objects whose mass is recorded.
     voids: Vec<VoidsRecord>,
-    /// The primitives of parts that were measured.
     primitives: Vec<PrimitiveRecord>,
 }
 
@@ -191,7 +169,6 @@ fn mesh_masses(hulls: &[BakedHull]) -> Vec<Option<MassRecord>> {
     hulls.iter().enumerate().map(of_object).collect()
 }
 
-/// Minimum and maximum coordinates of the vertices.
 fn bounds(hull: &Hull) -> [[f32; 3]; 2] {
     let component = |pick: fn(f32, f32) -> f32| -> [f32; 3] {
         std::array::from_fn(|i| hull.vertices.iter().map(|v| v[i]).reduce(pick).unwrap_or_default())
@@ -199,7 +176,6 @@ fn bounds(hull: &Hull) -> [[f32; 3]; 2] {
     [component(f32::min), component(f32::max)]
 }
 
-/// Appends a hull to every section, and its record.
 fn append(pack: &mut Pack, mut baked: BakedHull, detail: Detail) -> Result<(), BakeError> {
     pack.names.extend_from_slice(baked.name.as_bytes());
     if detail == Detail::Full {
@@ -250,7 +226,6 @@ fn append_faces(pack: &mut Pack, faces: Vec<Vec<u32>>) {
     }
 }
 
-/// Appends the directions to each vertex's neighbours, by component.
 fn append_edges(edges: &mut Vec<i16>, hull: &Hull, adjacency: &Adjacency) {
     edges.reserve(3 * adjacency.neighbours.len());
     let mut directions = Vec::new();
@@ -262,7 +237,6 @@ fn append_edges(edges: &mut Vec<i16>, hull: &Hull, adjacency: &Adjacency) {
     }
 }
 
-/// Current end of every section.
 fn end_of(pack: &Pack) -> Result<Span, BakeError> {
     let at = |len: usize| u32::try_from(len).map_err(|_| BakeError::PackTooLarge);
     Ok(Span {

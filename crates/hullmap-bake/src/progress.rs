@@ -7,16 +7,6 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 const STEPS: f64 = 1e6;
 
 /// Share of a computation that is done, from 0 to 1. It never decreases.
-///
-/// ```
-/// use hullmap_bake::progress::Progress;
-///
-/// let progress = Progress::default();
-/// let second_half = progress.whole().from_to(0.5, 1.0);
-/// second_half.reach(0.5);
-/// second_half.reach(0.25);
-/// assert_eq!(progress.share(), 0.75);
-/// ```
 #[derive(Debug, Default)]
 pub struct Progress {
     done: AtomicU32,
@@ -29,7 +19,7 @@ impl Progress {
         f64::from(self.done.load(Ordering::Relaxed)) / STEPS
     }
 
-    /// Asks the computation to end soon. Its result is then of no use.
+    /// Requests an early end. The result is then unusable.
     pub fn cancel(&self) {
         self.is_cancelled.store(true, Ordering::Relaxed);
     }

@@ -56,23 +56,14 @@ pub enum Selection {
 
 /// Why a pack has no such shape.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum ShapeError {
     /// No object has the name.
     #[error("the pack has no object {name:?}; its objects are {available:?}")]
-    NoSuchObject {
-        /// Requested name.
-        name: String,
-        /// Names of the pack's objects, at most [`NAMES_IN_ERRORS`].
-        available: Vec<String>,
-    },
+    NoSuchObject { name: String, available: Vec<String> },
     /// No hull has the index.
     #[error("hull index {index} is out of range: the pack has {hull_count} hulls, counted from 0")]
-    NoSuchHull {
-        /// Requested index.
-        index: usize,
-        /// Number of hulls in the pack.
-        hull_count: usize,
-    },
+    NoSuchHull { index: usize, hull_count: usize },
     /// The pack has no hull at all.
     #[error("the pack has no hulls")]
     Empty,
@@ -132,7 +123,6 @@ impl PackAsset {
         }
     }
 
-    /// Names of the first objects, for an error.
     fn names(&self) -> Vec<String> {
         let first_parts = self.hulls.iter().filter(|hull| hull.hull().part() == 0);
         first_parts.map(|hull| hull.hull().name().to_owned()).take(NAMES_IN_ERRORS).collect()
@@ -165,9 +155,6 @@ impl PackAsset {
     /// with an asset that may still be loading, and rebuilds the collider when the pack changes.
     ///
     /// # Errors
-    /// As [`shape`](Self::shape).
-    ///
-    /// # Complexity
     /// As [`shape`](Self::shape).
     pub fn collider<C: From<SharedShape>>(&self, selection: &Selection, scale: Vec3) -> Result<C, ShapeError> {
         self.shape(selection, scale).map(C::from)

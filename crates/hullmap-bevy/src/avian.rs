@@ -13,7 +13,7 @@ pub type AvianColliderPlugin = ColliderPlugin<Collider>;
 
 impl EngineCollider for Collider {
     fn colliders_replaced(world: &mut World) {
-        // While a pair hardly moves, Avian keeps its contacts and computes no new ones.
+        // While a pair barely moves, Avian keeps its contacts and computes no new ones.
         if let Some(mut contacts) = world.get_resource_mut::<ContactGraph>() {
             contacts.active_pairs_mut().iter_mut().for_each(|pair| pair.recycling_cache = None);
             contacts.sleeping_pairs_mut().iter_mut().for_each(|pair| pair.recycling_cache = None);

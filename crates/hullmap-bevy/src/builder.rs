@@ -44,7 +44,7 @@ impl<C> Default for ColliderPlugin<C> {
     }
 }
 
-/// What the collider `C` of an entity was built from.
+/// The source of the collider `C` of an entity.
 #[derive(Component)]
 struct BuiltFrom<C: EngineCollider> {
     pack: AssetId<PackAsset>,
@@ -75,7 +75,6 @@ impl<C: EngineCollider> Plugin for ColliderPlugin<C> {
     }
 }
 
-/// Builds a collider at once if its pack is loaded.
 fn build_inserted<C: EngineCollider>(
     event: On<Insert<BakedCollider>>,
     colliders: Query<&BakedCollider>,

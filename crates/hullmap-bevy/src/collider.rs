@@ -64,7 +64,7 @@ impl BakedCollider {
         Self { pack, hulls: Selection::Hull(index), scale: Vec3::ONE }
     }
 
-    /// The same with a scale.
+    /// A copy with this scale.
     pub fn with_scale(mut self, scale: Vec3) -> Self {
         self.scale = scale;
         self

@@ -20,23 +20,7 @@ use crate::{BakedCollider, PackAsset};
 /// # Complexity
 /// O(edges) for each frame.
 ///
-/// # Examples
-/// ```
-/// use bevy_app::App;
-/// use bevy_color::Color;
-/// use bevy_gizmos::config::{GizmoConfig, GizmoConfigStore};
-/// use bevy_gizmos::AppGizmoBuilder;
-/// use hullmap_bevy::{HullGizmos, HullGizmosPlugin};
-///
-/// let mut app = App::new();
-/// # app.add_plugins((bevy_asset::AssetPlugin::default(), bevy_gizmos::GizmoPlugin, hullmap_bevy::HullmapPlugin));
-/// app.add_plugins(HullGizmosPlugin);
-/// app.insert_gizmo_config(HullGizmos { color: Color::WHITE }, GizmoConfig::default());
-///
-/// // Later, to switch the drawing off:
-/// let mut store = app.world_mut().resource_mut::<GizmoConfigStore>();
-/// store.config_mut::<HullGizmos>().0.enabled = false;
-/// ```
+/// Switch it off with `GizmoConfigStore::config_mut::<HullGizmos>().0.enabled`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct HullGizmosPlugin;
 

@@ -19,18 +19,6 @@ impl EngineCollider for Collider {}
 /// parry. Scene queries use it too.
 ///
 /// The plugin may be added before or after bevy_rapier's, but before the app runs.
-///
-/// # Examples
-/// ```
-/// use bevy_app::App;
-/// use bevy_rapier3d::plugin::{NoUserData, RapierPhysicsPlugin};
-/// use hullmap_bevy::{RapierColliderPlugin, RapierDispatcherPlugin};
-///
-/// # let mut app = App::new();
-/// # app.add_plugins(bevy_asset::AssetPlugin::default());
-/// app.add_plugins((RapierPhysicsPlugin::<NoUserData>::default(), RapierColliderPlugin::default()));
-/// app.add_plugins(RapierDispatcherPlugin);
-/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RapierDispatcherPlugin;
 

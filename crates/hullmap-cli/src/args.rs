@@ -35,7 +35,6 @@ use limits::LimitArgs;
 use numbers::{at_least_one, size};
 use verify::{DEFAULT_DIRECTIONS, VerifyArgs};
 
-/// Headings of the help. Headings from the table of options come first, the farm last.
 const FILES: &str = Section::Files.heading();
 const RUNNING: &str = "Running";
 const FARM: &str = "Farm";
@@ -49,12 +48,10 @@ pub const DEFAULT_MEMORY: u64 = 4 << 30;
 #[derive(Debug, Parser)]
 #[command(name = "bake", version, disable_help_subcommand = true)]
 pub struct Cli {
-    /// The subcommand.
     #[command(subcommand)]
     pub command: Command,
 }
 
-/// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Bake meshes into .hullmap packs
@@ -120,16 +117,13 @@ pub enum Command {
     Completions(CompletionsArgs),
 }
 
-/// The meshes to bake, and their options.
 #[derive(Clone, Debug, clap::Args)]
 pub struct MeshArgs {
     /// Mesh files (OBJ, glTF, GLB, STL, PLY, COLLADA, MSH), or folders to search for them
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
-    /// Options that shape the packs.
     #[command(flatten)]
     pub options: OptionLayer,
-    /// Limits on source files.
     #[command(flatten)]
     pub limits: LimitArgs,
     /// Read options from FILE [default: the nearest hullmap.toml above each mesh]
@@ -157,7 +151,6 @@ pub struct MeshArgs {
     pub ext: Vec<String>,
 }
 
-/// How jobs run on this machine, and what is printed.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct RunArgs {
     /// Number of threads [default: one per core]
@@ -177,10 +170,8 @@ pub struct RunArgs {
     pub json: bool,
 }
 
-/// Arguments of `bake build`.
 #[derive(Debug, clap::Args)]
 pub struct BuildArgs {
-    /// The meshes.
     #[command(flatten)]
     pub meshes: MeshArgs,
     /// Write packs to DIR, which mirrors the input folders
@@ -208,7 +199,6 @@ pub struct BuildArgs {
     /// Write a single target, which depends on all sources and folders, to the depfile
     #[arg(long, hide_short_help = true, value_name = "TARGET", requires = "depfile", help_heading = FILES)]
     pub depfile_target: Option<PathBuf>,
-    /// How jobs run.
     #[command(flatten)]
     pub run: RunArgs,
     /// Bake only the meshes of shard I of N, counted from 0, for instance 0/8
@@ -217,12 +207,10 @@ pub struct BuildArgs {
     /// Take finished packs from DIR, by their keys, and add packs that are baked; DIR may be shared
     #[arg(long, value_name = "DIR", conflicts_with = "check", hide_short_help = true, help_heading = FARM)]
     pub cache: Option<PathBuf>,
-    /// How height fields are baked.
     #[command(flatten)]
     pub height_field: HeightFieldArgs,
 }
 
-/// Arguments of `bake decompose`.
 #[derive(Debug, clap::Args)]
 pub struct DecomposeArgs {
     /// Mesh file (OBJ, glTF, GLB, STL, PLY, COLLADA, MSH)
@@ -231,10 +219,8 @@ pub struct DecomposeArgs {
     /// File of the parts; its extension names the format: obj or glb
     #[arg(value_name = "OUT")]
     pub output: PathBuf,
-    /// Options of the decomposition.
     #[command(flatten)]
     pub options: PartsLayer,
-    /// Limits on the source file.
     #[command(flatten)]
     pub limits: LimitArgs,
     /// Replace OUT if it exists
@@ -248,10 +234,8 @@ pub struct DecomposeArgs {
     pub json: bool,
 }
 
-/// Arguments of `bake key`.
 #[derive(Debug, clap::Args)]
 pub struct KeyArgs {
-    /// The meshes.
     #[command(flatten)]
     pub meshes: MeshArgs,
     /// Folder in which the packs would be: paths in packs are relative to it [default: beside the
@@ -263,10 +247,8 @@ pub struct KeyArgs {
     pub json: bool,
 }
 
-/// Arguments of `bake plan`.
 #[derive(Debug, clap::Args)]
 pub struct PlanArgs {
-    /// The meshes.
     #[command(flatten)]
     pub meshes: MeshArgs,
     /// Folder of the packs, which mirrors the input folders
@@ -291,16 +273,12 @@ pub struct PlanArgs {
     pub emit: Emit,
 }
 
-/// Form of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Emit {
-    /// One JSON object per line.
     Json,
-    /// A build file for Ninja.
     Ninja,
 }
 
-/// Arguments of `bake task`.
 #[derive(Debug, clap::Args)]
 pub struct TaskArgs {
     /// The plan: a file of tasks, one per line (`-`: standard input)
@@ -312,7 +290,6 @@ pub struct TaskArgs {
     /// Folder of the packs [default: the one that the plan names]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Limits on source files.
     #[command(flatten)]
     pub limits: LimitArgs,
     /// Bake every mesh, even if its pack is fresh
@@ -327,15 +304,12 @@ pub struct TaskArgs {
     /// Write the results as JSON to FILE, and exit with 0 even if meshes were rejected
     #[arg(long, value_name = "FILE")]
     pub results: Option<PathBuf>,
-    /// How jobs run.
     #[command(flatten)]
     pub run: RunArgs,
 }
 
-/// Arguments of `bake status`.
 #[derive(Debug, clap::Args)]
 pub struct StatusArgs {
-    /// The meshes.
     #[command(flatten)]
     pub meshes: MeshArgs,
     /// Folder of the packs, which mirrors the input folders
@@ -349,7 +323,6 @@ pub struct StatusArgs {
     pub json: bool,
 }
 
-/// Arguments of `bake inspect`.
 #[derive(Debug, clap::Args)]
 pub struct InspectArgs {
     /// Packs, or folders to search for them
@@ -363,7 +336,6 @@ pub struct InspectArgs {
     pub json: bool,
 }
 
-/// Arguments of `bake robot`.
 #[derive(Debug, clap::Args)]
 pub struct RobotArgs {
     /// Robot descriptions: URDF, MJCF or SDF
@@ -372,10 +344,8 @@ pub struct RobotArgs {
     /// File to write, or folder for all of them; hulls go to a folder beside each
     #[arg(long, value_name = "DIR|FILE")]
     pub out: PathBuf,
-    /// Options that shape the hulls.
     #[command(flatten)]
     pub options: OptionLayer,
-    /// Limits on source files.
     #[command(flatten)]
     pub limits: LimitArgs,
     /// Folder that contains packages or models, or is one itself; repeatable
@@ -425,12 +395,10 @@ pub struct RobotArgs {
     /// Write nothing; list descriptions that would change, and exit with 1 if there are any
     #[arg(long, conflicts_with = "force", help_heading = RUNNING)]
     pub check: bool,
-    /// How jobs run.
     #[command(flatten)]
     pub run: RunArgs,
 }
 
-/// Links whose collisions are made from visuals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FromVisual {
     /// Links of URDF and SDF without a collision
@@ -445,12 +413,10 @@ pub enum FromVisual {
 pub const DECIDED_BY_ROBOTS: [&str; 7] =
     ["split", "unit_scale", "up_axis", "recentre", "pack_names", "record_source", "keep_triangles"];
 
-/// Why such an option has no effect.
 pub fn reason_of_robots(key: &str) -> &'static str {
     if key == "keep_triangles" { "whose collisions become hulls" } else { "whose descriptions state it" }
 }
 
-/// Arguments of `bake query`.
 #[derive(Debug, clap::Args)]
 pub struct QueryArgs {
     /// A pack as one body (FILE), or one of its hulls (FILE#name or FILE#index); results are in its
@@ -480,7 +446,6 @@ pub struct QueryArgs {
     pub json: bool,
 }
 
-/// Arguments of `bake report`.
 #[derive(Debug, clap::Args)]
 pub struct ReportArgs {
     /// A pack; or a folder of packs, for an overview and a page per pack
@@ -508,12 +473,10 @@ pub struct ReportArgs {
     /// Seed of the random directions
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
-    /// Limits on source files.
     #[command(flatten)]
     pub limits: LimitArgs,
 }
 
-/// Quantity that a query computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Mode {
     /// Whether the two overlap
@@ -524,7 +487,6 @@ pub enum Mode {
     Contact,
 }
 
-/// Arguments of `bake init`.
 #[derive(Debug, clap::Args)]
 pub struct InitArgs {
     /// Folder of the meshes [default: the current folder]
@@ -532,7 +494,6 @@ pub struct InitArgs {
     pub folder: PathBuf,
 }
 
-/// Arguments of `bake completions`.
 #[derive(Debug, clap::Args)]
 pub struct CompletionsArgs {
     /// The shell
@@ -551,7 +512,6 @@ pub fn program(words: &[OsString]) -> String {
     name.filter(|name| !name.is_empty()).unwrap_or("bake").to_owned()
 }
 
-/// The command line of a program with this name.
 pub fn command(program: &str) -> clap::Command {
     let hidden = |own: clap::Command| {
         DECIDED_BY_ROBOTS.iter().fold(own, |own, key| own.mut_arg(key, |option| option.hide(true)))
@@ -572,8 +532,7 @@ pub fn command(program: &str) -> clap::Command {
     names.into_iter().fold(renamed(command), |command, name| command.mut_subcommand(name, renamed))
 }
 
-/// Parses the command line. The error is clap's, which exits with 2 (or 0 for `--help` and
-/// `--version`).
+/// Parses the command line. The error is clap's: exit code 2, or 0 for `--help` and `--version`.
 pub fn parse<I, T>(words: I) -> Result<Cli, clap::Error>
 where
     I: IntoIterator<Item = T>,
@@ -624,7 +583,6 @@ fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
 }
 
 impl Command {
-    /// Name and options of a subcommand that takes meshes with options.
     fn options(&self) -> Option<(&'static str, &OptionLayer)> {
         match self {
             Self::Build(args) => Some(("build", &args.meshes.options)),
@@ -658,7 +616,6 @@ fn with_usage(program: &str, mut error: clap::Error, subcommand: Option<&OsStrin
     error
 }
 
-/// An error of a subcommand, with its usage.
 fn subcommand_error(program: &str, subcommand: &str, kind: ErrorKind, message: String) -> clap::Error {
     let mut command = command(program);
     // A subcommand gets its full name from this call.

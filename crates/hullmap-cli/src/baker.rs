@@ -32,11 +32,7 @@ pub struct BakedPack {
 }
 
 /// Builds, certifies and indexes a hull of each point set, or of each of its parts, and writes them
-/// into one pack. It keeps the warnings of `source`, and warnings about the hulls. `stage` shows
-/// the progress.
-///
-/// # Errors
-/// A hull could not be baked; the error names the first one. Or the stage is cancelled.
+/// into one pack with the warnings. The error names the first hull that could not be baked.
 pub fn bake_pack(
     point_sets: &[PointSet],
     options: &BuildOptions,
@@ -102,7 +98,7 @@ fn bake_within_budget(
     let Some(budget) = options.budget() else {
         return Ok((bake_hull_in(points, limit, index, stage)?, None));
     };
-    // The index takes most of the time, and is of no use if the hull is too large.
+    // The index takes most of the time, and is useless if the hull is too large.
     let is_doubtful = limit.is_none() && points.positions.len() > budget.vertices();
     let first = if is_doubtful { IndexKind::None } else { index };
     let baked = bake_hull_in(points, limit, first, stage)?;
@@ -125,12 +121,10 @@ fn bake_within_budget(
     Ok((simplified, Some(Remark::note(kind, name, text))))
 }
 
-/// Figures of a hull that a budget limits.
 fn figures(baked: &BakedHull) -> Figures {
     Figures::new(&baked.hull.vertices, &baked.hull.faces, baked.interior.point)
 }
 
-/// Warning about a hull that an engine rejects for its form, which no number of vertices changes.
 fn form_warning(baked: &BakedHull, budget: &Budget) -> Option<Remark> {
     let exceeded = budget.exceeded_form(&figures(baked));
     if exceeded.is_empty() || baked.hull.rank < 3 {
@@ -146,7 +140,6 @@ fn form_warning(baked: &BakedHull, budget: &Budget) -> Option<Remark> {
     Some(Remark::warning(kind, name, text))
 }
 
-/// Warning about an index that replaces one that could not be proven.
 fn replacement_warning(baked: &BakedHull) -> Option<Remark> {
     let (name, kind) = (&baked.name, baked.index.kind);
     let (requested, reason) = baked.index.replaces.as_ref()?;

@@ -1,38 +1,29 @@
 //! Budgets: what physics engines accept of one hull, and whether a hull is within it.
 //!
-//! All numbers are in one table, each with its source. A limit on faces or edges is met by hulls of
-//! few vertices: a hull of V vertices has at most 2V − 4 triangles and 3V − 6 edges (Euler), and a
-//! face of it at most V − 1 corners. [`Budget::sure_vertices`] is the largest V for which every
-//! hull fits.
+//! A limit on faces or edges is met by hulls of few vertices: a hull of V vertices has at most 2V −
+//! 4 triangles and 3V − 6 edges (Euler), and a face at most V − 1 corners.
+//! [`Budget::sure_vertices`] is the largest V for which every hull fits.
 
 use glam::DVec3;
 
 /// Limits of an engine on one hull. `None`: it has none, or none is known.
 #[derive(Debug)]
 pub struct Budget {
-    /// Name in options.
     pub name: &'static str,
-    /// Maximum number of vertices.
     vertices: usize,
-    /// Maximum number of faces: flat polygons.
     faces: Option<usize>,
     /// Maximum number of triangles, of which a polygon of n corners has n − 2.
     triangles: Option<usize>,
-    /// Maximum number of edges.
     edges: Option<usize>,
-    /// Maximum number of vertices of a face.
     face_vertices: Option<usize>,
-    /// Maximum aspect, see [`Figures::aspect`].
     aspect: Option<f64>,
     /// Minimum thickness in metres.
     thickness: Option<f64>,
-    /// What happens beyond the limits, for messages.
+    /// Consequence of exceeding the limits, for messages.
     otherwise: &'static str,
-    /// Where the numbers are from.
     pub source: &'static str,
 }
 
-/// No limits, for the table.
 const ANY: Budget = Budget {
     name: "",
     vertices: usize::MAX,
@@ -116,41 +107,31 @@ pub static BUDGETS: [Budget; 8] = [
     },
 ];
 
-/// Values of the option: no engine, and the names of the table.
 pub const NAMES: [&str; 9] =
     ["none", "physx", "physx-gpu", "jolt", "box3d", "unity", "unreal", "newton", "mujoco-warp"];
 
-/// The budget of this name; `None` for `none` and for names that are not in the table.
 pub fn budget(name: &str) -> Option<&'static Budget> {
     BUDGETS.iter().find(|budget| budget.name == name)
 }
 
-/// The figures of one hull that the limits apply to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
-    /// Number of vertices.
     pub vertices: usize,
-    /// Number of flat polygons.
     pub faces: usize,
-    /// Number of triangles of these polygons.
     pub triangles: usize,
-    /// Number of edges.
     pub edges: usize,
-    /// Number of vertices of the largest face.
     pub face_vertices: usize,
     /// Radius of the smallest ball around the centroid that contains the hull, divided by the
     /// radius of the largest one inside. At least what PhysX compares, since its box lies inside
     /// the hull. Infinite for a flat hull.
     pub aspect: f64,
-    /// Smallest distance between a face and the vertex farthest from it, at least the width of the
-    /// hull: 0 for a flat hull.
+    /// Smallest distance between a face and the vertex farthest from it; 0 for a flat hull.
     pub thickness: f64,
 }
 
 impl Figures {
-    /// Figures of a hull with these vertices, faces and centroid. Complexity: O(vertices · faces)
-    /// for the thickness of hulls that are within the limits of all engines. The thickness of a
-    /// larger hull is twice the radius of its inner ball.
+    /// Complexity: O(vertices · faces) for the thickness within the limits of all engines. For a
+    /// larger hull, it is twice the inner ball's radius.
     pub fn new(positions: &[[f32; 3]], polygons: &[Vec<u32>], centroid: DVec3) -> Self {
         let point = |corner: u32| {
             let position = positions.get(corner as usize).copied().unwrap_or_default();
@@ -184,7 +165,6 @@ impl Figures {
     }
 }
 
-/// Maximum number of vertices that any engine of the table accepts.
 const LARGEST: usize = 256;
 
 /// Unit normal of a polygon, by the sum of its edges' cross products (Newell).
@@ -207,7 +187,6 @@ impl Budget {
         limits.into_iter().flatten().min().and_then(|least| u32::try_from(least).ok()).unwrap_or(u32::MAX)
     }
 
-    /// Maximum number of vertices.
     pub fn vertices(&self) -> usize {
         self.vertices
     }
@@ -262,7 +241,6 @@ impl Budget {
 mod tests {
     use super::*;
 
-    /// A prism of `n` sides with this radius and height, with its faces.
     fn prism(n: u32, radius: f32, height: f32) -> (Vec<[f32; 3]>, Vec<Vec<u32>>) {
         let turn = |i: u32| std::f32::consts::TAU * i as f32 / n as f32;
         let ring = |z: f32| (0..n).map(move |i| [radius * turn(i).cos(), radius * turn(i).sin(), z]);
@@ -299,7 +277,6 @@ mod tests {
         assert_eq!(Figures::new(&[[0.0; 3]; 3], &[], DVec3::ZERO).vertices, 3);
     }
 
-    /// By Euler's formula, a hull of at most 44 vertices has at most 128 edges.
     #[test]
     fn the_sure_number_of_vertices_is_the_largest() {
         let sure: Vec<u32> = BUDGETS.iter().map(Budget::sure_vertices).collect();

@@ -4,18 +4,15 @@ use std::fmt::Write;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A target and what it depends on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Rule {
     /// The file that is out of date if a prerequisite is newer.
     pub target: PathBuf,
-    /// The files it depends on.
     pub prerequisites: Vec<PathBuf>,
 }
 
-/// Text of a dependency file. Each prerequisite also gets a rule without prerequisites, so that
-/// Make continues after a prerequisite was removed. Fails if a path contains a line break, which
-/// neither Ninja nor Make can read, or is not UTF-8.
+/// Each prerequisite also gets a rule of its own, so that Make continues after its removal. Fails
+/// for a path with a line break, which neither Ninja nor Make can read, or not in UTF-8.
 pub fn text(rules: &[Rule]) -> io::Result<String> {
     let mut text = String::new();
     for rule in rules {
@@ -37,8 +34,7 @@ pub fn text(rules: &[Rule]) -> io::Result<String> {
 }
 
 /// A path as both programs read it: `\ ` for a space (with the backslashes before it doubled),
-/// `\#`, `\:`, `$$`. A `%` needs no escape in a rule without a pattern. On Windows a colon follows
-/// a drive only, and neither program expects an escape there.
+/// `\#`, `\:`, `$$`. On Windows, a colon only follows a drive, and needs no escape.
 fn escaped(path: &Path) -> io::Result<String> {
     let invalid = |what: &str| io::Error::new(io::ErrorKind::InvalidInput, format!("{}: {what}", path.display()));
     let path_text = path

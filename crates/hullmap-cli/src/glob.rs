@@ -7,7 +7,6 @@ use globset::{GlobBuilder, GlobMatcher};
 /// A glob. `*` stays within one folder, `**` does not; case is ignored.
 #[derive(Clone, Debug)]
 pub struct Glob {
-    /// As written.
     pub text: String,
     matcher: GlobMatcher,
     /// A glob without `/` is matched against the file name alone, as in `.gitignore`.
@@ -15,7 +14,6 @@ pub struct Glob {
 }
 
 impl Glob {
-    /// Reads a glob. Fails if it is invalid.
     pub fn new(text: &str) -> Result<Self, String> {
         let matches_name = !text.contains('/');
         // A glob with `/` is relative to a folder anyway, so a leading `/` or `./` adds nothing.
@@ -25,9 +23,8 @@ impl Glob {
         Ok(Self { text: text.to_owned(), matcher, matches_name })
     }
 
-    /// Whether it matches a mesh: `below` is the mesh's path relative to the glob's folder; `None`
-    /// for a mesh outside that folder, to which only globs without `/` can apply. `name` is its
-    /// file name.
+    /// `below` is the mesh's path relative to the glob's folder; `None` for a mesh outside, to
+    /// which only globs without `/` can apply. `name` is its file name.
     pub fn matches(&self, below: Option<&Path>, name: &Path) -> bool {
         match (self.matches_name, below) {
             (true, _) => self.matcher.is_match(name),

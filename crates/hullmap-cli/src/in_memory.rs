@@ -16,18 +16,14 @@ use crate::triangle_mesh::{BakedTriangles, adapted, bake_triangles};
 
 /// Why a mesh was not baked.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum InMemoryError {
     /// An option is unknown, has an invalid value, or excludes another one.
     #[error("{0}")]
     Option(String),
     /// The file cannot be read.
     #[error("{file}: cannot read: {source}; check the file")]
-    Io {
-        /// The file.
-        file: String,
-        /// The system's error.
-        source: io::Error,
-    },
+    Io { file: String, source: io::Error },
     /// The mesh is faulty.
     #[error("{0}")]
     Import(#[from] ImportError),
@@ -36,8 +32,7 @@ pub enum InMemoryError {
     Bake(String),
 }
 
-/// Bakes meshes in memory. Also returns them as they were imported: scaled and turned as the
-/// options say.
+/// Bakes meshes in memory. Also returns them as imported: scaled and turned as the options say.
 ///
 /// `name` is the name of meshes without one, and stands for the file in messages. `options` are
 /// pairs of a key of `hullmap.toml` and a value, such as `("max_vertices", "64")`. With
@@ -74,9 +69,8 @@ pub fn bake_arrays(
 
 /// Bakes a mesh file: OBJ, glTF, GLB, STL, PLY, COLLADA or MSH.
 ///
-/// The pack has the same bytes as from `bake build` with the same options, if it is saved in the
-/// folder of the mesh: it records the name of the file, its hash and the options. `stage` shows the
-/// progress, and may be cancelled.
+/// In the folder of the mesh, `bake build` with the same options makes the same bytes, which record
+/// the file's name and hash, and the options. `stage` shows the progress, and may be cancelled.
 ///
 /// # Errors
 /// See [`InMemoryError`].
@@ -91,8 +85,7 @@ pub fn bake_file(path: &Path, options: &[(&str, &str)], stage: Stage) -> Result<
     bake_source(path, &source, options, stage).map(|(pack, _)| pack)
 }
 
-/// Bakes the contents of a mesh file, as [`bake_file`] does. Also returns the mesh as it was
-/// imported: scaled and turned as the options say.
+/// Bakes the contents of a mesh file, as [`bake_file`] does. Also returns the mesh as imported.
 ///
 /// # Errors
 /// See [`InMemoryError`].
@@ -108,22 +101,16 @@ pub fn bake_source(
     bake(imported, &options, record, &file, stage)
 }
 
-/// Bakes the contents of a mesh file, and keeps its triangles.
-///
-/// The bytes are the same as from `bake build --keep-triangles` with the same options, if the file
-/// is saved in the folder of the mesh. `options` are the options of [`bake_file`] that apply to
-/// triangles.
+/// Bakes the contents of a mesh file as a triangle mesh: the bytes of `bake build --keep-triangles`
+/// in the folder of the mesh. `options` are those of [`bake_file`] that apply to triangles.
 ///
 /// # Errors
 /// See [`InMemoryError`]. A file without faces cannot be baked.
 ///
-/// # Examples
 /// ```
-/// use hullmap_cli::bake_level;
-/// use hullmap_import::SourceFile;
-///
 /// let square = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n".to_vec();
-/// let baked = bake_level("square.obj".as_ref(), &SourceFile::alone(square), &[])?;
+/// let source = hullmap_import::SourceFile::alone(square);
+/// let baked = hullmap_cli::bake_level("square.obj".as_ref(), &source, &[])?;
 /// assert_eq!(hullmap::TriangleMesh::from_bytes(&baked.bytes)?.triangle_count(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -158,8 +145,7 @@ const ADVICE_ON_LIMITS: [&str; 3] =
     [", or raise --max-input-bytes", ", or raise --max-objects", ", or raise --max-instanced"];
 
 /// A message of the command for callers without flags: `--max-vertices` becomes `name` of the key
-/// `max_vertices`. Only flags that are options are changed, and nothing in backticks is, which is a
-/// command to run.
+/// `max_vertices`. Flags that are no options, and commands in backticks, stay.
 ///
 /// # Examples
 /// ```
@@ -209,22 +195,19 @@ fn bake(
     Ok((pack, imported))
 }
 
-/// What to use instead of the option `keep_triangles`.
+/// The alternatives to the option `keep_triangles`.
 const NO_PACK: &str = "makes no pack; use TriangleMesh, or `bake build --keep-triangles`";
 
-/// What is baked.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Hulls,
     Triangles,
 }
 
-/// The options of hulls.
 fn resolve(options: &[(&str, &str)]) -> Result<BuildOptions, InMemoryError> {
     resolve_of(Kind::Hulls, options)
 }
 
-/// The options, with defaults for options that are not given.
 fn resolve_of(kind: Kind, options: &[(&str, &str)]) -> Result<BuildOptions, InMemoryError> {
     let is_accepted = |option: &&BuildOption| option.record != Record::Never && option.key != "keep_triangles";
     let accepted = || OPTIONS.iter().filter(is_accepted).map(|option| option.key);

@@ -1,9 +1,8 @@
 //! Ctrl-C: removes temporary files, keeps finished ones, and exits with [`EXIT`].
 //!
-//! Temporary files are listed here while they exist. The list is locked while one is created,
-//! renamed or removed, and stays locked while the process exits. So each file is then either in
-//! place or removed. After a kill that cannot be caught, [`crate::pack_file::sweep`] removes the
-//! leftovers.
+//! The list of temporary files is locked while one is created, renamed or removed, and stays locked
+//! while the process exits, so that each file is either in place or removed. After a kill that
+//! cannot be caught, [`crate::pack_file::sweep`] removes leftovers.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -17,13 +16,10 @@ use crate::terminal;
 /// Exit code after Ctrl-C: 128 plus the signal number, as in shells.
 pub const EXIT: i32 = 130;
 
-/// Temporary files of this process.
 static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// The progress bars on the screen.
 static SCREEN: Mutex<Option<MultiProgress>> = Mutex::new(None);
 
-/// Whether the process is waiting for changes.
 static IDLE: AtomicBool = AtomicBool::new(false);
 
 /// Locks a mutex. No code leaves these values half changed, so a panic elsewhere does not matter.
@@ -62,7 +58,6 @@ pub fn idle<T>(wait: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Sets the progress bars to clear at the end.
 pub fn show(bars: Option<MultiProgress>) {
     *lock(&SCREEN) = bars;
 }

@@ -1,9 +1,8 @@
 //! The `bake` command as a library: bakes meshes into `.hullmap` packs, and verifies, inspects,
 //! exports, queries and reports on packs.
 //!
-//! [`run`] is the whole command. Bindings to other languages call it, and they bake meshes in
-//! memory with the options of the command: [`bake_arrays`] and [`bake_file`]. Without the feature
-//! `command` only the latter remain, and the crate builds for WebAssembly.
+//! [`run`] is the whole command. Bindings call it, or bake in memory with [`bake_arrays`] and
+//! [`bake_file`]. Without the feature `command` only the latter remain, also for WebAssembly.
 //!
 //! | module | concept |
 //! |---|---|
@@ -106,17 +105,11 @@ use outcome::{Exit, Failure, end};
 use terminal::Output;
 pub use triangle_mesh::{BakedTriangles, EdgeCounts, MeshSummary};
 
-/// Runs the command with these words, the name of the program first, and returns its exit code.
-///
-/// Help texts call the program by that name.
+/// Runs the command with these words, the name of the program (for help texts) first, and returns
+/// its exit code.
 ///
 /// Results go to standard output, messages to standard error. While meshes are baked, Ctrl-C ends
 /// the process with exit code 130, and unfinished packs are removed.
-///
-/// # Examples
-/// ```
-/// assert_eq!(hullmap_cli::run(["bake", "--version"]), 0);
-/// ```
 #[cfg(feature = "command")]
 pub fn run<W: Into<OsString> + Clone>(words: impl IntoIterator<Item = W>) -> u8 {
     let words: Vec<OsString> = words.into_iter().map(Into::into).collect();

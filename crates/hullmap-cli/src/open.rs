@@ -10,23 +10,17 @@ use hullmap_import::open_regular;
 use crate::outcome::Failure;
 use crate::packs::kind_by_name;
 
-/// Maximum number of remarks from elsewhere about one mesh.
 const MAX_REMARKS: usize = 100;
 
-/// Maximum number of characters of such a remark.
 const MAX_REMARK: usize = 10_000;
 
-/// A file that `bake build` writes, opened.
 #[derive(Debug)]
 pub enum BakedFile {
-    /// Convex hulls.
     Pack(Pack),
-    /// A static mesh that keeps its triangles.
     TriangleMesh(TriangleMesh),
 }
 
 impl BakedFile {
-    /// The header.
     pub fn header(&self) -> &Header {
         match self {
             Self::Pack(pack) => pack.header(),
@@ -34,7 +28,6 @@ impl BakedFile {
         }
     }
 
-    /// The options that shaped the bake, as they are recorded.
     pub fn options(&self) -> &str {
         match self {
             Self::Pack(pack) => pack.options(),
@@ -42,7 +35,6 @@ impl BakedFile {
         }
     }
 
-    /// The recorded path of the source.
     pub fn source_path(&self) -> &str {
         match self {
             Self::Pack(pack) => pack.source_path(),
@@ -59,9 +51,7 @@ impl BakedFile {
     }
 }
 
-/// Reads a pack or a triangle mesh into memory and checks it. The first bytes decide which it is.
-/// If they fit neither, the extension decides. The error is [`Failure::usage`] if the file cannot
-/// be read, and [`Failure::rejected`] if it is not valid. Both name the file.
+/// The first bytes decide which kind of file it is, or else the extension.
 pub fn open_baked(path: &Path) -> Result<BakedFile, Failure> {
     let mut start = Vec::new();
     // `Pack::open` would wait for a pipe.
@@ -88,7 +78,6 @@ pub fn open_baked(path: &Path) -> Result<BakedFile, Failure> {
     })
 }
 
-/// As [`open_baked`], but only packs are accepted.
 pub fn open_pack(path: &Path) -> Result<Pack, Failure> {
     match open_baked(path)? {
         BakedFile::Pack(pack) => Ok(pack),
@@ -99,7 +88,6 @@ pub fn open_pack(path: &Path) -> Result<Pack, Failure> {
     }
 }
 
-/// The warnings that a pack keeps, within limits.
 pub fn kept_warnings(pack: &Pack) -> Vec<String> {
     bounded_remarks(pack.warnings(), str::to_owned)
 }

@@ -6,11 +6,8 @@ use std::process::ExitCode;
 /// The exit codes. If several inputs end differently, the highest code is returned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Exit {
-    /// Success.
     Done = 0,
-    /// An input was rejected.
     Rejected = 1,
-    /// Wrong usage, or a file could not be read or written.
     Usage = 2,
 }
 
@@ -20,22 +17,18 @@ impl From<Exit> for ExitCode {
     }
 }
 
-/// Why a command ended early.
 #[derive(Debug)]
 pub struct Failure {
-    /// The code to exit with.
     pub exit: Exit,
-    /// What is wrong, with which file, and what to do; empty if standard output has no reader.
+    /// The fault, the file and the remedy; empty if standard output has no reader.
     pub message: String,
 }
 
 impl Failure {
-    /// Wrong usage, or a file that cannot be read or written.
     pub fn usage(message: impl Into<String>) -> Self {
         Self { exit: Exit::Usage, message: message.into() }
     }
 
-    /// A rejected input.
     pub fn rejected(message: impl Into<String>) -> Self {
         Self { exit: Exit::Rejected, message: message.into() }
     }
@@ -47,8 +40,7 @@ impl fmt::Display for Failure {
     }
 }
 
-/// Writing to standard output failed. A closed pipe (`bake … | head`) ends the command silently and
-/// successfully.
+/// A closed pipe (`bake … | head`) ends the command silently and successfully.
 impl From<std::io::Error> for Failure {
     fn from(error: std::io::Error) -> Self {
         match error.kind() {

@@ -25,19 +25,16 @@ const SUFFIX: &str = ".tmp";
 /// bytes, some to 143, and the target's name may be as long as that.
 const MAX_STEM: usize = 100;
 
-/// Extension of packs, with its dot.
 const PACK: &str = ".hullmap";
 
 /// A complete temporary file beside its target. Dropping it removes the file.
 #[derive(Debug)]
 pub struct Unplaced {
-    /// `None` once it was renamed.
     file: Option<NamedTempFile>,
     path: PathBuf,
 }
 
 impl Unplaced {
-    /// Path of the temporary file.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -51,8 +48,7 @@ impl Drop for Unplaced {
     }
 }
 
-/// Writes `bytes` to a temporary file beside `target` and syncs it. The file is removed unless
-/// [`put_in_place`] is called. Fails if the folder cannot be written to.
+/// Writes and syncs. The file is removed unless [`put_in_place`] is called.
 pub fn write_beside(target: &Path, bytes: &[u8]) -> io::Result<Unplaced> {
     let mut unplaced = make_locked(target)?;
     if let Some(file) = &mut unplaced.file {
@@ -62,7 +58,6 @@ pub fn write_beside(target: &Path, bytes: &[u8]) -> io::Result<Unplaced> {
     Ok(unplaced)
 }
 
-/// Creates a temporary file that no sweep removes.
 fn make_locked(target: &Path) -> io::Result<Unplaced> {
     let name = target.file_name().unwrap_or(OsStr::new("pack")).to_string_lossy();
     let stem = name.strip_suffix(PACK).unwrap_or(&name);
@@ -72,8 +67,7 @@ fn make_locked(target: &Path) -> io::Result<Unplaced> {
     builder.prefix(&prefix).suffix(SUFFIX);
     #[cfg(unix)]
     {
-        // Temporary files are private by default; a pack is an ordinary file with the permissions
-        // of the umask.
+        // A pack has the permissions of the umask, not those of temporary files.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
@@ -89,7 +83,6 @@ fn make_locked(target: &Path) -> io::Result<Unplaced> {
     Err(io::Error::other("another process keeps removing the temporary file"))
 }
 
-/// Waits for the lock, also across signals.
 fn lock(file: &File) -> io::Result<()> {
     loop {
         match file.lock() {
@@ -99,11 +92,8 @@ fn lock(file: &File) -> io::Result<()> {
     }
 }
 
-/// Renames a temporary file to `target`, replacing any existing file.
-///
-/// # Errors
-/// The rename failed: the temporary file is removed, and `target` is unchanged. Or the folder could
-/// not be synced: `target` is the new file, and the error states this.
+/// Renames a temporary file to `target`. If that fails, it is removed; if only the folder could not
+/// be synced, `target` is the new file, as the error states.
 pub fn put_in_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()> {
     if let Some(file) = unplaced.file.take() {
         interrupt::settle(&unplaced.path, || file.persist(target).map(drop)).map_err(|error| error.error)?;
@@ -111,8 +101,7 @@ pub fn put_in_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()> {
     sync_in_place(target)
 }
 
-/// Like [`put_in_place`], but never replaces a file. Fails as [`put_in_place`] does, or if `target`
-/// exists, which is left unchanged.
+/// Like [`put_in_place`], but never replaces a file.
 pub fn put_in_free_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()> {
     if let Some(file) = unplaced.file.take() {
         interrupt::settle(&unplaced.path, || file.persist_noclobber(target).map(drop)).map_err(|error| error.error)?;
@@ -126,7 +115,6 @@ fn sync_in_place(target: &Path) -> io::Result<()> {
     })
 }
 
-/// Creates a folder and its parents, and syncs them. Fails if that is not possible.
 pub fn make_folder(folder: &Path) -> io::Result<()> {
     match std::fs::metadata(folder) {
         Ok(found) if found.is_dir() => return Ok(()),
@@ -142,7 +130,6 @@ pub fn make_folder(folder: &Path) -> io::Result<()> {
     missing.into_iter().try_for_each(|made| sync_folder(folder_of(made)))
 }
 
-/// Syncs a folder's entries to disk. On systems that cannot, this does nothing.
 fn sync_folder(folder: &Path) -> io::Result<()> {
     use io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
     match File::open(folder).and_then(|folder| folder.sync_all()) {
@@ -153,7 +140,6 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
     }
 }
 
-/// Removes temporary files of killed processes in `folder`.
 pub fn sweep(folder: &Path) {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return;
@@ -175,7 +161,6 @@ pub fn walk(folder: &Path) -> WalkBuilder {
     walk
 }
 
-/// Removes a temporary file if its process is dead.
 fn sweep_file(path: &Path) {
     let is_file = || path.symlink_metadata().is_ok_and(|kind| kind.is_file());
     if path.file_name().is_some_and(is_temporary)
@@ -187,7 +172,6 @@ fn sweep_file(path: &Path) {
     }
 }
 
-/// Whether this is the name of a temporary file: `.rock.hullmapAbCdEf.tmp`.
 fn is_temporary(name: &OsStr) -> bool {
     let name = name.to_string_lossy();
     let middle = name.strip_prefix('.').and_then(|name| name.strip_suffix(SUFFIX));
@@ -204,7 +188,6 @@ pub fn link_below(root: &Path, folder: &Path) -> Option<PathBuf> {
     })
 }
 
-/// Why a file is not written: a folder above it is the link `link`.
 pub fn through_link(file: &Path, link: &Path) -> String {
     format!(
         "{}: not written, because {} is a link; replace it by a folder, or name the folder it leads to with --out",
@@ -213,7 +196,6 @@ pub fn through_link(file: &Path, link: &Path) -> String {
     )
 }
 
-/// The folder that holds a file.
 pub fn folder_of(file: &Path) -> &Path {
     match file.parent() {
         Some(folder) if folder != Path::new("") => folder,
@@ -224,9 +206,8 @@ pub fn folder_of(file: &Path) -> &Path {
 /// The path of `source` that a pack in `pack_folder`, which may not exist yet, records: relative to
 /// that folder, with `/`, if both lie in the folder `project`; otherwise the bare file name.
 ///
-/// So the bytes of the pack depend on the layout of the project, but not on the rest of the
-/// machine. Fails if the canonical path of one of the three cannot be determined, because a bare
-/// file name would be a different record.
+/// So the bytes depend on the project alone, not on the rest of the machine. Fails if a canonical
+/// path cannot be determined: the file name would be a different record.
 pub fn recorded_path(source: &Path, pack_folder: &Path, project: &Path) -> io::Result<String> {
     let name = || source.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let (source, project) = (source.canonicalize()?, project.canonicalize()?);
@@ -238,8 +219,7 @@ pub fn recorded_path(source: &Path, pack_folder: &Path, project: &Path) -> io::R
     }
 }
 
-/// The canonical path of a folder that, like its parents, may not exist; `None` if it cannot be
-/// determined.
+/// Canonical path, also of a folder that, like its parents, does not exist.
 pub fn canonical_of_gone(folder: &Path) -> Option<PathBuf> {
     for above in folder.ancestors() {
         let place = if above == Path::new("") { Path::new(".") } else { above };
@@ -301,8 +281,7 @@ pub fn plain(path: &Path) -> PathBuf {
     plain
 }
 
-/// An absolute path as the user would name it from the folder `here`: relative if both share a
-/// folder, otherwise absolute.
+/// Path as seen from the folder `here`: relative if both share a folder, otherwise absolute.
 pub fn shown_from(path: &Path, here: &Path) -> PathBuf {
     let path = plain(path);
     let way = here.canonicalize().ok().and_then(|here| relative(&path, &here));

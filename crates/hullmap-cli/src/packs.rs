@@ -1,5 +1,4 @@
-//! The packs that arguments name: files, and all packs in folders. Here and below, triangle meshes
-//! count as packs.
+//! The packs that arguments name: files, and all in folders. Triangle meshes count as packs.
 
 use std::path::{Path, PathBuf};
 
@@ -8,17 +7,14 @@ use hullmap_format::header::FileKind;
 use crate::outcome::Failure;
 use crate::pack_file::walk;
 
-/// A pack, and its folder relative to the one that was searched.
 #[derive(Clone, Debug)]
 pub struct PackPlace {
-    /// The pack.
     pub path: PathBuf,
     /// Its folder relative to the one that was searched; empty for a pack that was named directly.
     pub below: PathBuf,
 }
 
-/// The packs that the inputs name, in the order of the inputs, sorted by name within each folder.
-/// Fails if an input cannot be read, or a folder holds no packs.
+/// Packs by input, sorted by name within each folder. Fails if a folder has none.
 pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
     let mut places = Vec::new();
     for input in inputs {
@@ -50,19 +46,16 @@ pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
     Ok(places)
 }
 
-/// Number of height fields in the folders among the inputs.
 pub fn fields_in(inputs: &[PathBuf]) -> usize {
     let folders = inputs.iter().filter(|input| input.is_dir());
     let entries = folders.flat_map(|folder| walk(folder).build().flatten());
     entries.filter(|entry| kind_by_name(entry.path()) == Some(FileKind::HeightField)).count()
 }
 
-/// Whether a file has the extension of files that `bake build` writes: packs, triangle meshes.
 pub fn is_baked(path: &Path) -> bool {
     matches!(kind_by_name(path), Some(FileKind::Pack | FileKind::TriangleMesh))
 }
 
-/// The kind of file that has such a name; `None` if it is of no kind.
 pub fn kind_by_name(path: &Path) -> Option<FileKind> {
     let extension = path.extension()?;
     FileKind::ALL.into_iter().find(|kind| extension == kind.extension())

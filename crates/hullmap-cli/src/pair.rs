@@ -1,5 +1,4 @@
-//! Queries one pair of hulls, packs or triangle meshes in many poses, and names the fields of the
-//! answers as the command's JSON does.
+//! Queries one pair of hulls, packs or triangle meshes in many poses.
 
 use glam::DVec3;
 use hullmap::{Compound, CompoundCache, Contact, Hull, Overlap, Pose, Settings, Status, TriangleMesh, compound};
@@ -12,19 +11,14 @@ use crate::args::Mode;
 pub struct PairAnswer {
     /// Whether the two overlap or touch; `None` if undecided.
     pub hit: Option<bool>,
-    /// How the solver ended, in one word.
     pub status: &'static str,
     /// Penetration depth, with lower and upper bound.
     pub depth: Option<[f64; 3]>,
     /// Distance, with lower and upper bound.
     pub distance: Option<[f64; 3]>,
-    /// Unit normal, from A to B.
     pub normal: Option<[f64; 3]>,
-    /// Witness point on A.
     pub point_a: Option<[f64; 3]>,
-    /// Witness point on B.
     pub point_b: Option<[f64; 3]>,
-    /// Iterations of the solver.
     pub iterations: u32,
     /// Pairs of support queries, one on each of the two hulls.
     pub support_calls: u32,
@@ -32,13 +26,9 @@ pub struct PairAnswer {
     pub hulls: Option<[usize; 2]>,
 }
 
-/// One side of a query: hulls, or the triangles of a mesh.
 pub trait Side: compound::Parts {
-    /// The hull, if it is a single one.
     fn single_hull(&self) -> Option<Hull<'_>>;
-    /// Whether it has several parts.
     fn has_parts(&self) -> bool;
-    /// Name of a part: of a hull its own, of a triangle its index.
     fn part_name(&self, index: usize) -> Option<String>;
 }
 
@@ -70,8 +60,7 @@ impl Side for TriangleMesh {
     }
 }
 
-/// A solver for one pair of hulls, packs or triangle meshes, with the cache that carries over from
-/// pose to pose.
+/// The cache carries over from pose to pose.
 #[derive(Debug)]
 pub struct PairSolver<'a, A, B> {
     a: &'a A,
@@ -81,7 +70,6 @@ pub struct PairSolver<'a, A, B> {
 }
 
 impl<'a, A: Side, B: Side> PairSolver<'a, A, B> {
-    /// A solver with an empty cache.
     pub fn new(a: &'a A, b: &'a B) -> Self {
         Self { a, b, settings: Settings::default(), cache: CompoundCache::default() }
     }
@@ -95,7 +83,6 @@ impl<'a, A: Side, B: Side> PairSolver<'a, A, B> {
         }
     }
 
-    /// The deciding hulls of an answer, if a pack has several.
     fn named(&self, hulls: [usize; 2]) -> Option<[usize; 2]> {
         (self.a.has_parts() || self.b.has_parts()).then_some(hulls)
     }

@@ -8,8 +8,7 @@ use hullmap_import::open_regular;
 
 use crate::outcome::Failure;
 
-/// Parses a pose. The quaternion may have any length except zero; it is normalised. The error
-/// states what is wrong with the text, without its file and line.
+/// The quaternion may have any length except zero; it is normalised.
 pub fn parse_pose(text: &str) -> Result<Pose, String> {
     let mut numbers = [0.0; 7];
     let mut found = 0;
@@ -37,8 +36,7 @@ pub fn parse_pose(text: &str) -> Result<Pose, String> {
     Pose::new(DVec3::new(tx, ty, tz), rotation).map_err(|error| error.to_string())
 }
 
-/// Parses poses, one per line. Blank lines and comments after `#` are skipped. The error is
-/// `name:line: what is wrong`.
+/// Skips blank lines, and comments after `#`. The error is `name:line: what is wrong`.
 pub fn parse_pose_lines(name: &str, text: &str) -> Result<Vec<Pose>, Failure> {
     let mut poses = Vec::new();
     for (number, line) in text.lines().enumerate() {
@@ -51,8 +49,7 @@ pub fn parse_pose_lines(name: &str, text: &str) -> Result<Vec<Pose>, Failure> {
     Ok(poses)
 }
 
-/// Reads a file of poses; `-` is standard input. Fails if the file cannot be read, holds no pose,
-/// or has an invalid line.
+/// `-` is standard input.
 pub fn read_poses(path: &Path) -> Result<Vec<Pose>, Failure> {
     let (name, text) = if path == Path::new("-") {
         ("standard input".to_owned(), std::io::read_to_string(std::io::stdin().lock()))

@@ -1,8 +1,7 @@
 //! Principal axes of an inertia tensor: the Jacobi eigenvalue algorithm.
 //!
-//! A rotation in the plane of two axes makes the element of the tensor that joins them 0. Such
-//! rotations, one pair of axes after the other, converge quadratically to a diagonal tensor. The
-//! power iteration of the decomposition is not used, because it gives only a few digits.
+//! Rotations make the tensor's element for one pair of axes after the other 0, and converge
+//! quadratically to a diagonal. The power iteration of the decomposition gives only a few digits.
 //!
 //! # Reference
 //! Golub and Van Loan, "Matrix Computations", section 8.5.
@@ -12,9 +11,8 @@ use glam::{DMat3, DQuat, DVec3};
 /// Maximum number of sweeps over the three pairs of axes. Five are usual.
 const SWEEPS: usize = 40;
 
-/// Moments about the principal axes, and the rotation from those axes to the axes of the tensor.
-///
-/// `tensor` is symmetric. The product of rotation, diagonal and inverse rotation is the tensor.
+/// Moments about the principal axes, and the rotation from those to the axes of the symmetric
+/// `tensor`.
 pub fn principal_axes(tensor: DMat3) -> (DVec3, DQuat) {
     let (mut diagonal, mut axes) = (tensor, DMat3::IDENTITY);
     for _ in 0..SWEEPS {

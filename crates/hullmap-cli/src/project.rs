@@ -10,22 +10,17 @@ use crate::config::FILE_NAME;
 use crate::pack_file::{canonical_of_gone, folder_of, plain};
 use crate::packs::PackPlace;
 
-/// Folders that mark the root of a project.
 pub const ROOT_MARKS: [&str; 2] = [".git", ".hg"];
 
-/// The folder below which files may be read for one pack.
 #[derive(Clone, Debug)]
 pub struct Project {
     /// Canonical.
     root: PathBuf,
 }
 
-/// Result of following a path from inside a project.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Found {
-    /// A regular file.
     File,
-    /// Nothing.
     Missing,
     /// A folder, pipe, socket or device.
     NotRegular,
@@ -34,17 +29,13 @@ pub enum Found {
 }
 
 impl Project {
-    /// The project of a pack; `start` is the folder where `bake` was started.
-    ///
-    /// It is the widest of these folders above the pack:
-    /// 1. `start`, unless it is the root of the file system;
+    /// The widest of these folders above the pack:
+    /// 1. `start`, where `bake` was started, unless it is the root of the file system;
     /// 2. the nearest folder with `.git`, `.hg` or a `hullmap.toml`;
     /// 3. the parent of the folder that was searched for packs, or of the pack's own folder, unless
-    ///    it is the root of the file system. So packs in `baked` find their sources in `assets`
-    ///    beside it from wherever the command is started.
+    ///    it is the root. So packs in `baked` find their sources in `assets` beside it.
     ///
-    /// `bake build` records the paths of sources inside it, so that they are found again from
-    /// anywhere. Only `start` depends on the current folder. The pack's folder may not exist yet;
+    /// `bake build` records the paths of sources inside it. The pack's folder may not exist yet;
     /// `None` if it cannot be resolved.
     pub fn of_pack(place: &PackPlace, start: &Path) -> Option<Self> {
         let folder = canonical_of_gone(folder_of(&place.path))?;
@@ -58,7 +49,6 @@ impl Project {
         Some(Self { root: widest.unwrap_or(&folder).to_owned() })
     }
 
-    /// The folder, canonical.
     pub fn root(&self) -> &Path {
         &self.root
     }

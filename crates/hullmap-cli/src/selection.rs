@@ -5,13 +5,10 @@ use std::path::{Path, PathBuf};
 use crate::outcome::Failure;
 use crate::packs::is_baked;
 
-/// Maximum number of hull names in a message.
 const NAMES_IN_MESSAGE: usize = 8;
 
-/// A pack, and the selected hull.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selection {
-    /// The pack.
     pub file: PathBuf,
     /// Name or index of the hull; `None` for the whole pack.
     pub hull: Option<String>,

@@ -9,10 +9,8 @@ use crate::outcome::Failure;
 use crate::terminal::Output;
 use hullmap_bake::number::grouped;
 
-/// Maximum number of materials in the text.
 const MATERIALS_IN_TEXT: usize = 8;
 
-/// A row of the text: a name and a value.
 pub type Row = (String, String);
 
 /// Description of a file. Field names are the JSON's.
@@ -22,14 +20,12 @@ pub struct FileDescription {
     format_version: u32,
     bytes: u64,
     source: String,
-    /// The recorded build options.
     pub options: String,
     /// XXH3-128 of the source, 32 hexadecimal digits.
     source_hash: String,
 }
 
 impl FileDescription {
-    /// Describes a file by its header, its length and its texts.
     pub fn new(file: String, header: &Header, bytes: usize, source: &str, options: &str) -> Self {
         Self {
             file,
@@ -53,7 +49,6 @@ impl FileDescription {
         .map(|(name, value)| (name.to_owned(), value))
     }
 
-    /// Writes the name of the file, then the rows.
     pub fn write_text(&self, rows: Vec<Row>, out: &mut Output) -> Result<(), Failure> {
         out.line(&self.file)?;
         for (name, value) in rows {
@@ -63,14 +58,12 @@ impl FileDescription {
     }
 }
 
-/// Number of elements of each material.
 pub fn count_materials(materials: impl Iterator<Item = u16>) -> BTreeMap<u16, usize> {
     let mut counts = BTreeMap::new();
     materials.for_each(|material| *counts.entry(material).or_default() += 1);
     counts
 }
 
-/// Numbers of elements of the first materials, as text.
 pub fn list_materials(counts: &BTreeMap<u16, usize>) -> String {
     let listed = counts.iter().take(MATERIALS_IN_TEXT);
     let listed: Vec<String> =

@@ -19,47 +19,37 @@ use hullmap_import::{self as import, EXTENSIONS, Imported, Limits, Materials, Po
 /// A pack's source, found and imported as it was when the pack was baked.
 #[derive(Debug)]
 pub struct Source {
-    /// The file.
     pub path: PathBuf,
     /// The point sets that must match the pack's hulls, in the same order.
     pub point_sets: Vec<PointSet>,
     /// The faces of each set, by indices of its own points.
     pub faces: Vec<Polygons>,
-    /// Materials of the faces of the file.
     pub materials: Materials,
-    /// Findings of interest from the import.
     pub notes: Vec<String>,
-    /// Findings to act on from the import.
     pub warnings: Vec<String>,
 }
 
-/// Record of a pack about its source.
 #[derive(Clone, Copy, Debug)]
 pub struct Recorded<'a> {
     /// XXH3-128 of all bytes it was baked from: see [`SourceFile::hash`].
     pub hash: u128,
     /// Its path relative to the pack's folder, or its name; empty if no source was recorded.
     pub path: &'a str,
-    /// The build options.
     pub options: &'a str,
 }
 
 impl<'a> Recorded<'a> {
-    /// The record of a pack or of a triangle mesh.
     pub fn from_file(file: &'a BakedFile) -> Self {
         Self { hash: file.header().source_hash, path: file.source_path(), options: file.options() }
     }
 
-    /// The record of `pack`.
     pub fn from_pack(pack: &'a hullmap::Pack) -> Self {
         Self { hash: pack.header().source_hash, path: pack.source_path(), options: pack.options() }
     }
 }
 
-/// Result of the search for a pack's source.
 #[derive(Debug)]
 pub enum SourceSearch {
-    /// The source.
     Found(Box<Source>),
     /// No source. If a file was not followed or read, the reason.
     Absent(Option<String>),
@@ -83,8 +73,7 @@ impl Folders {
     }
 }
 
-/// The mesh files in a folder, by the stems that their packs may have: with and without the
-/// extension of the mesh.
+/// Mesh files by the stems that their packs may have: with and without the extension.
 fn meshes_by_name(folder: &Path) -> HashMap<OsString, BTreeSet<PathBuf>> {
     let mut meshes: HashMap<OsString, BTreeSet<PathBuf>> = HashMap::new();
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
@@ -99,10 +88,9 @@ fn meshes_by_name(folder: &Path) -> HashMap<OsString, BTreeSet<PathBuf>> {
 /// Finds and imports the source of a pack, within `limits`. `folders` remembers the folders that
 /// were read for other packs.
 ///
-/// `given` is the path that `--source` gives: the file, or a folder that holds it, mirrored or
-/// flat. Without it, the files beside the pack with the pack's stem and the extension of a mesh are
-/// tried, then the recorded path, all of them only inside the pack's [`Project`]. The first file
-/// with the recorded hash is the source.
+/// `given` is the path of `--source`: the file, or a folder that holds it, mirrored or flat.
+/// Without it, the files beside the pack with its stem are tried, then the recorded path, all only
+/// inside the pack's [`Project`]. The first file with the recorded hash is the source.
 ///
 /// # Errors
 /// Usage: `--source` leads to no file. Rejected: the files found differ from the one the pack was
@@ -151,34 +139,26 @@ pub fn find_source(
     }
 }
 
-/// Whether a file can be the source of a pack.
 enum Candidate {
-    /// Its source.
     IsSource(Box<SourceFile>),
-    /// Not its source, or damaged: the error.
     Rejected(String),
     /// Outside the project, or no regular file: the reason.
     NotFollowed(String),
-    /// Not there, or not readable.
     Missing,
 }
 
-/// The files that may be the source of a pack.
 struct Candidates<'a> {
     place: &'a PackPlace,
     recorded: Recorded<'a>,
     given: Option<&'a Path>,
     /// `None` if `--source` names the files.
     project: Option<Project>,
-    /// The recorded path, resolved.
     followed: Option<PathBuf>,
 }
 
 impl Candidates<'_> {
-    /// Reads a file, unless it leads out of the project, and compares its hash.
-    ///
-    /// # Errors
-    /// Usage: `--source` names the file, and it cannot be read.
+    /// Reads a file inside the project, and compares its hash. Fails if `--source` names an
+    /// unreadable file.
     fn check(&self, path: &Path, limits: &Limits) -> Result<Candidate, Failure> {
         let is_followed = self.followed.as_deref() == Some(path);
         let absolute = match folder_of(&self.place.path).canonicalize() {
@@ -219,8 +199,7 @@ impl Candidates<'_> {
         )))
     }
 
-    /// A path as messages show it. A recorded path is absolute here, because it starts from the
-    /// pack's canonical folder.
+    /// A path as messages show it. A recorded path is absolute here.
     fn shown(&self, path: &Path) -> String {
         let is_absolute = self.given.is_none() && path.is_absolute();
         let path = if is_absolute { shown_from(path, Path::new(".")) } else { path.to_owned() };
@@ -238,11 +217,9 @@ fn why_not_read(project: Option<&Project>, path: &Path) -> Option<&'static str> 
     }
 }
 
-/// The path that `--source` gives for each pack.
-///
-/// A folder counts for every pack. A single mesh counts for the packs whose own name or recorded
-/// source name it has; the other packs are left to the usual search. Fails if `--source` names a
-/// mesh, there are several packs, and none of them has its name.
+/// The path that `--source` gives for each pack. A folder counts for every pack, a mesh for the
+/// packs with its own or recorded name. Fails if `--source` names a mesh, and none of several packs
+/// has its name.
 pub fn given_sources<'a>(given: Option<&'a Path>, places: &[PackPlace]) -> Result<Vec<Option<&'a Path>>, Failure> {
     let Some(mesh) = given.filter(|path| !path.is_dir() && places.len() > 1) else {
         return Ok(vec![given; places.len()]);
@@ -264,8 +241,7 @@ pub fn given_sources<'a>(given: Option<&'a Path>, places: &[PackPlace]) -> Resul
     Ok(sources)
 }
 
-/// Where the source may lie in a folder: at the same relative path as the pack, or directly in the
-/// folder; with the pack's stem or with the recorded name.
+/// At the pack's relative path, or directly in the folder; with its stem, or the recorded name.
 fn in_folder(place: &PackPlace, recorded: &str, folder: &Path, folders: &Folders) -> Vec<PathBuf> {
     let recorded_name = recorded.rsplit('/').next().filter(|name| !name.is_empty() && *name != "..");
     let mut paths = Vec::new();
@@ -276,7 +252,6 @@ fn in_folder(place: &PackPlace, recorded: &str, folder: &Path, folders: &Folders
     paths
 }
 
-/// Whether the pack has the name of the mesh, with or without the extension of the mesh.
 fn has_name_of(mesh: &Path, pack: &Path) -> bool {
     [mesh.file_stem(), mesh.file_name()].contains(&pack.file_stem())
 }
@@ -292,7 +267,6 @@ fn import(path: &Path, source: &SourceFile, recorded: Recorded, limits: &Limits)
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let imported = import::import(&name, &stem, path, source, &options.import(), limits);
     let mut imported = imported.map_err(|error| Failure::rejected(error.to_string()))?;
-    // For the mass of the mesh, and for its parts.
     imported.give_triangles();
     Ok(imported)
 }
@@ -317,7 +291,6 @@ mod tests {
         })
     }
 
-    /// A folder with these files, and the location of a pack `out/sub/x.hullmap` in it.
     fn folder(files: &[(&str, &str)]) -> (tempfile::TempDir, PackPlace) {
         let folder = tempfile::tempdir().unwrap();
         for (name, text) in files.iter().chain(&[("out/sub/x.hullmap", "")]) {
@@ -350,7 +323,6 @@ mod tests {
         }
     }
 
-    /// The slow, obvious twin: every file of the folder is compared with the pack.
     #[test]
     fn meshes_are_found_as_by_a_search_of_the_folder() {
         let names = ["x.obj", "x.OBJ", "x.obj.stl", "x.stl", "x", "x.obj.obj", "y.gltf", "x.hullmap", "x.txt", ".obj"];

@@ -3,10 +3,8 @@
 use hullmap_import::Polygons;
 use hullmap_report::DisplayMesh;
 
-/// The mesh of a point set: its faces if there are any, otherwise its points alone.
-///
-/// # Complexity
-/// O(corners), except for concave polygons.
+/// Mesh of a point set: its faces if there are any, otherwise its points. Complexity: O(corners),
+/// except for concave polygons.
 pub fn display_mesh(points: &[[f32; 3]], faces: &Polygons) -> DisplayMesh {
     let triangles = faces.triangles(points);
     let mut mesh = DisplayMesh { points: points.to_vec(), triangles, ..DisplayMesh::default() };

@@ -6,20 +6,15 @@ use hullmap_bake::number::LEAST_PLAIN;
 
 use crate::terminal::{Escaped, Output};
 
-/// Maximum width to which cells are padded. A longer cell, such as a long path, shifts the rest of
-/// its own row only.
+/// A longer cell, such as a long path, shifts the rest of its own row only.
 const MAX_WIDTH: usize = 80;
 
-/// Alignment of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
-    /// Words.
     Left,
-    /// Numbers.
     Right,
 }
 
-/// Rows of cells under a heading.
 #[derive(Debug)]
 pub struct Table {
     columns: Vec<(&'static str, Align)>,
@@ -27,20 +22,18 @@ pub struct Table {
 }
 
 impl Table {
-    /// An empty table.
     pub fn new(columns: &[(&'static str, Align)]) -> Self {
         Self { columns: columns.to_vec(), rows: Vec::new() }
     }
 
-    /// Adds a row with a cell for each column.
     pub fn push(&mut self, row: Vec<String>) {
         debug_assert_eq!(row.len(), self.columns.len());
         // Before widths are measured.
         self.rows.push(row.into_iter().map(|cell| Escaped(cell).to_string()).collect());
     }
 
-    /// Writes heading and rows, two spaces between columns. A column is as wide as its widest cell
-    /// of at most [`MAX_WIDTH`].
+    /// Separates columns by two spaces. Each is as wide as its widest cell of at most
+    /// [`MAX_WIDTH`].
     pub fn write(&self, out: &mut Output) -> io::Result<()> {
         let width = |column: usize| {
             let cells = self.rows.iter().map(|row| row[column].chars().count()).filter(|width| *width <= MAX_WIDTH);
@@ -77,7 +70,6 @@ pub fn shortest(x: f32) -> String {
     }
 }
 
-/// The value, or a dash for `None`.
 pub fn or_dash<T>(value: Option<T>, show: impl FnOnce(T) -> String) -> String {
     value.map_or_else(|| "-".to_owned(), show)
 }

@@ -1,13 +1,11 @@
 //! Text for the terminal, with control characters escaped. All text is printed here.
 //!
-//! Names of files, objects and hulls come from elsewhere and may hold any character: an escape
-//! sequence that rewrites the screen, a line break that forges a row of a table, a mark that
-//! reverses the order of letters. So text is printed line by line, and such characters in a line
-//! are escaped. Only this module ends a line. `--json` keeps every character; JSON has its own
-//! escapes.
+//! Names of files, objects and hulls may hold any character: an escape sequence that rewrites the
+//! screen, a line break that forges a row of a table, a mark that reverses the order of letters. So
+//! text is printed line by line, by this module alone, and such characters are escaped. `--json`
+//! has JSON's own escapes.
 //!
-//! Data go to standard output, messages to standard error. A closed standard error is ignored;
-//! `eprintln!` would panic.
+//! A closed standard error is ignored; `eprintln!` would panic.
 
 use std::fmt::{self, Display, Write as _};
 use std::io::{self, BufWriter, IsTerminal, Write, stderr, stdout};
@@ -16,8 +14,7 @@ use indicatif::ProgressDrawTarget;
 use serde::Serialize;
 use serde_json::ser::{CompactFormatter, Formatter};
 
-/// JSON in which each `f32` is the shortest decimal that gives the same `f32` again, also to a
-/// reader that rounds to `f64` first.
+/// Each `f32` is the shortest decimal that reads back as the same, also through `f64`.
 pub fn json(object: &impl Serialize) -> io::Result<Vec<u8>> {
     let mut text = Vec::new();
     object.serialize(&mut serde_json::Serializer::with_formatter(&mut text, ExactFloats))?;
@@ -65,7 +62,6 @@ impl fmt::Write for Escaping<'_, '_> {
     }
 }
 
-/// Whether a terminal would obey this character instead of showing it.
 pub fn is_escaped(letter: char) -> bool {
     // C0, DEL and C1.
     letter.is_control()
@@ -78,28 +74,23 @@ pub fn is_escaped(letter: char) -> bool {
         )
 }
 
-/// Results of a command.
 pub struct Output<'a> {
     writer: Box<dyn Write + 'a>,
 }
 
 impl<'a> Output<'a> {
-    /// Results go to `writer`.
     pub fn new(writer: impl Write + 'a) -> Self {
         Self { writer: Box::new(writer) }
     }
 
-    /// Results go to standard output.
     pub fn standard() -> Output<'static> {
         Output::new(BufWriter::new(stdout().lock()))
     }
 
-    /// Writes a line for people.
     pub fn line(&mut self, line: impl Display) -> io::Result<()> {
         writeln!(self.writer, "{}", Escaped(line))
     }
 
-    /// Writes an object as one line of JSON.
     pub fn json(&mut self, object: &impl Serialize) -> io::Result<()> {
         self.writer.write_all(&json(object)?)?;
         writeln!(self.writer)
@@ -110,33 +101,28 @@ impl<'a> Output<'a> {
         self.writer.write_all(text)
     }
 
-    /// Flushes everything written so far.
     pub fn flush(&mut self) -> io::Result<()> {
         self.writer.flush()
     }
 }
 
-/// Prints an error.
 pub fn error(message: impl Display) {
     say(format_args!("error: {message}"));
 }
 
-/// Prints a finding of interest.
 pub fn note(message: impl Display) {
     say(format_args!("note: {message}"));
 }
 
-/// Prints a finding to act on.
 pub fn warning(message: impl Display) {
     say(format_args!("warning: {message}"));
 }
 
-/// Prints a line to standard error.
 pub fn say(line: impl Display) {
     let _ = writeln!(stderr(), "{}", Escaped(line));
 }
 
-/// Whether output goes to a terminal, on which binary data would be of no use.
+/// Whether output goes to a terminal, which binary data would disturb.
 pub fn shows_output() -> bool {
     stdout().is_terminal()
 }

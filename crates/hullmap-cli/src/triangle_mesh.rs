@@ -1,15 +1,12 @@
-//! Triangle meshes, which keep the triangles of a source: how they are baked, and what is counted.
-
 use hullmap::{EdgeClass, TriangleMesh};
 use hullmap_bake::number::grouped;
 use hullmap_bake::triangle_mesh::{TJunctions, Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_bake::{PointSet, SourceRecord, fit};
 use hullmap_import::{Imported, Materials};
 
-/// Maximum number of material names in a summary.
 const MAX_MATERIALS: usize = 1000;
 
-/// What a triangle mesh consists of. Field names are the JSON's.
+/// The contents of a triangle mesh. Field names are the JSON's.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "command", derive(serde::Serialize))]
 pub struct MeshSummary {
@@ -65,10 +62,7 @@ impl EdgeCounts {
 }
 
 impl MeshSummary {
-    /// What the file of a mesh states. T-junctions are not counted.
-    ///
-    /// # Complexity
-    /// O(triangles).
+    /// Counts from a mesh's file, without T-junctions, in O(triangles).
     pub fn of_file(mesh: &TriangleMesh) -> Self {
         let mut edges = EdgeCounts::default();
         let classes = (0..mesh.triangle_count()).filter_map(|triangle| mesh.edge_classes(triangle));
@@ -100,10 +94,7 @@ impl MeshSummary {
     }
 }
 
-/// T-junctions of an opened mesh.
-///
-/// # Complexity
-/// O(n log n) for n triangles.
+/// T-junctions of a mesh, in O(n log n) for n triangles.
 #[cfg(feature = "command")]
 pub fn t_junctions_of(mesh: &TriangleMesh) -> TJunctions {
     let vertices: Vec<[f32; 3]> =
@@ -122,7 +113,7 @@ pub fn t_junctions_of(mesh: &TriangleMesh) -> TJunctions {
 pub struct BakedTriangles {
     /// The bytes of the file.
     pub bytes: Vec<u8>,
-    /// What it consists of.
+    /// Its contents.
     pub summary: MeshSummary,
     /// Findings of interest.
     pub notes: Vec<String>,
@@ -130,11 +121,8 @@ pub struct BakedTriangles {
     pub warnings: Vec<String>,
 }
 
-/// Bakes the triangles of a source that was imported as a whole. The file keeps the warnings of
-/// `source`, and warnings about the mesh.
-///
-/// # Errors
-/// The source has no triangles, too many of them, or too many materials.
+/// Bakes the triangles of a source that was imported as a whole, with the warnings of `source` and
+/// about the mesh.
 pub fn bake_triangles(imported: &Imported, source: &SourceRecord) -> Result<BakedTriangles, String> {
     let (Some(points), Some(faces)) = (imported.point_sets.first(), imported.faces.first()) else {
         return Err(NO_FACES.to_owned());
@@ -171,7 +159,6 @@ pub fn bake_triangles(imported: &Imported, source: &SourceRecord) -> Result<Bake
 
 const NO_FACES: &str = "has no faces, and --keep-triangles requires some; leave it out, or remove --keep-triangles";
 
-/// Remedies of the import that do not apply to triangle meshes, and what replaces them.
 const REMEDIES: [(&str, &str); 4] = [
     ("--recentre keeps the precision of the file", "move it to the origin in its editor, and place it by a pose"),
     ("use --recentre", "move them to the origin in an editor"),
@@ -179,12 +166,10 @@ const REMEDIES: [(&str, &str); 4] = [
     ("; --vertices all takes their control points", ""),
 ];
 
-/// A remark of the import, with remedies that apply to triangle meshes.
 pub fn adapted(remark: &str) -> String {
     REMEDIES.iter().fold(remark.to_owned(), |text, (of_hulls, instead)| text.replace(of_hulls, instead))
 }
 
-/// Findings that need no action, because the triangles are kept.
 fn notes(summary: &MeshSummary) -> Vec<String> {
     let mut notes = Vec::new();
     if summary.degenerate > 0 {
@@ -198,7 +183,6 @@ fn notes(summary: &MeshSummary) -> Vec<String> {
     notes
 }
 
-/// Findings that make contact normals at edges worse.
 fn warnings(summary: &MeshSummary, junctions: TJunctions, materials: &Materials, points: &PointSet) -> Vec<String> {
     let mut warnings = Vec::new();
     if summary.edges.non_manifold > 0 {

@@ -1,8 +1,8 @@
 //! The exported functions: they copy and check their arguments, call the safe modules, and write
 //! the answer. No panic crosses this border.
 //!
-//! A pointer from C can be checked for NULL and alignment, not for what it points to. What a caller
-//! has to keep is at the head of the header (`cbindgen.toml`).
+//! A pointer from C can be checked for NULL and alignment, not for its target. The rules for
+//! callers are at the head of the header (`cbindgen.toml`).
 #![allow(unsafe_code)]
 #![allow(clippy::missing_safety_doc, reason = "the rules are at the head of the header")]
 

@@ -13,7 +13,7 @@ use crate::types::Result as Code;
 pub struct Failure {
     /// The code.
     pub code: Code,
-    /// What is wrong, and what to do.
+    /// The cause and the remedy.
     pub message: String,
 }
 

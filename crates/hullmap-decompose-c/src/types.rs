@@ -1,6 +1,6 @@
 //! Structs and enums of the header: plain numbers, laid out as C does.
 //!
-//! Documentation comments become comments of the header, so they speak of C names.
+//! Documentation comments become comments of the header, so they use C names.
 
 #![forbid(unsafe_code)]
 

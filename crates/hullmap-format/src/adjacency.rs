@@ -1,7 +1,6 @@
 //! Checks that the neighbours of a hull match its faces: each edge of a face is listed once, at the
-//! vertex where it starts, with that face beside it.
-//!
-//! Queries rely on this: the face towards a direction is chosen among those listed at one vertex.
+//! vertex where it starts, with that face beside it. Queries choose the face towards a direction
+//! among those listed at one vertex.
 //!
 //! # Steps
 //! 1. There are as many neighbours as face corners, that is, as directed edges of faces.
@@ -11,9 +10,8 @@
 //! 4. Each edge of a larger face has an entry that names the face, and no two of its edges have the
 //!    same entry. As many entries name larger faces as these have edges.
 //!
-//! So entries and edges of faces correspond one to one. Triangles are checked from the entries,
-//! which are read in order and need no search. A search in a face of many corners for each of its
-//! entries would take quadratic time, so larger faces are checked from their edges.
+//! So entries and edges correspond one to one. Triangles are checked from the entries, without a
+//! search; in faces of many corners, that would take quadratic time.
 
 use rkyv::rend::u32_le;
 
@@ -29,11 +27,9 @@ pub(crate) struct Adjacency<'a> {
 }
 
 impl Adjacency<'_> {
-    /// Compares the neighbours with the faces. `found` is scratch memory.
-    ///
-    /// # Complexity
-    /// O(C log d) for C face corners and at most d neighbours of a vertex. One bit of scratch
-    /// memory per neighbour, if a face has more than three corners.
+    /// Compares the neighbours with the faces. O(C log d) for C face corners and at most d
+    /// neighbours of a vertex. `found` is scratch: one bit per neighbour, if a face has more than
+    /// three corners.
     pub(crate) fn check(&self, found: &mut Vec<u64>) -> Result<(), HullError> {
         // A segment has neighbours, but no faces.
         if self.face_starts.is_empty() {
@@ -110,7 +106,6 @@ impl Adjacency<'_> {
         }
     }
 
-    /// The corners of a face.
     fn face(&self, face: u32) -> &[u32_le] {
         let at = face as usize;
         let end = self.face_starts.get(at + 1).map_or(self.face_vertices.len(), |start| start.to_native() as usize);

@@ -36,31 +36,26 @@ pub struct Pack {
     /// Candidate blocks that the index points to. They come first, so that they start on a cache
     /// line: rkyv itself aligns to 32 bytes at most.
     pub blocks: Vec<Block>,
-    /// Path of the source relative to the pack's folder, UTF-8, with `/` between folders; empty if
-    /// no path was recorded.
+    /// Path of the source relative to the pack's folder, UTF-8, with `/`; empty if not recorded.
     pub source_path: Vec<u8>,
     /// The options that shaped the bake, as the baker writes them, then a line per warning; UTF-8.
     pub options: Vec<u8>,
     /// Names of the hulls, UTF-8, one after the other, without separators.
     pub names: Vec<u8>,
-    /// Start of each hull's runs. There is one entry more than there are hulls; the last one states
-    /// the end of every section.
+    /// Start of each hull's runs, and a last entry with the end of every section.
     pub spans: Vec<Span>,
     /// One record per hull.
     pub hulls: Vec<HullRecord>,
-    /// Mass of the mesh of an object, in the run of its first hull: one record, or none if the mesh
-    /// bounds no solid that could be measured.
+    /// Mass of an object's mesh, in the run of its first hull: none or one record.
     pub masses: Vec<MassRecord>,
     /// BVH over the hulls, see [`crate::bvh`]: the root, then the other nodes breadth first. The
     /// two children of a node are adjacent. One leaf per hull: 2H − 1 nodes for H hulls.
     pub nodes: Vec<BvhNode>,
-    /// Vertices in source units and in the hull's frame; −0 is stored as +0. They are in ascending
-    /// order of their source vertices. Vertices without a source vertex come last, in order of
-    /// their coordinates.
+    /// Vertices in source units and in the hull's frame, with −0 as +0, by ascending source vertex.
+    /// Vertices without one come last, by coordinates.
     pub vertices: Vec<[f32; 3]>,
-    /// For each vertex, its zero-based index in the source; if several source vertices coincide,
-    /// the lowest. [`NO_SOURCE_VERTEX`] for a vertex that the bake created for a simplified hull or
-    /// a convex part.
+    /// Zero-based index of each vertex in the source; the lowest, if several coincide.
+    /// [`NO_SOURCE_VERTEX`] for a vertex that the bake created.
     pub source_vertices: Vec<u32>,
     /// For each face, the position in its hull's run of `face_vertices` at which its vertices
     /// start. They end where the next face's start; the last face's end with the run.
@@ -74,9 +69,8 @@ pub struct Pack {
     pub neighbour_starts: Vec<u32>,
     /// Vertices that share an edge with each vertex, ascending.
     pub neighbours: Vec<u32>,
-    /// For each neighbour w of a vertex v, the face to the left of the edge from v to w: the face
-    /// in which w follows v. So a vertex's run contains each face at the vertex once. 0 for hulls
-    /// without faces.
+    /// For each neighbour w of a vertex v, the face in which w follows v: so a vertex's run
+    /// contains each face at the vertex once. 0 for hulls without faces.
     pub neighbour_faces: Vec<u32>,
     /// Vertices of the outer hull, a coarse polytope that contains the hull; empty for a hull that
     /// is coarse itself.
@@ -142,9 +136,7 @@ pub struct Span {
 }
 
 /// Facts about one hull. Lengths are in source units, points in the hull's frame: the source's
-/// frame, moved by [`origin`].
-///
-/// [`origin`]: HullRecord::origin
+/// frame, moved by [`origin`](HullRecord::origin).
 #[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq)]
 #[rkyv(derive(Clone, Copy, Debug, Pod, Zeroable))]
 pub struct HullRecord {
@@ -168,26 +160,18 @@ pub struct HullRecord {
     pub second_moments: [f64; 6],
     /// Maximum distance of a source point from the hull, relative to the diameter; 0 for a point.
     pub containment_error: f64,
-    /// Maximum distance by which the hull exceeds the convex hull of its source points, in source
-    /// units; 0 for an exact hull.
+    /// Maximum distance by which the hull exceeds the convex hull of its source points; 0 if exact.
     pub outer_error: f64,
-    /// Upper bound on how far a point of the source object's surface lies outside all of its parts,
-    /// in source units; the same for all parts of an object. 0 if [`solid`] is 0: not measured.
-    ///
-    /// [`solid`]: HullRecord::solid
+    /// Upper bound on how far the source object's surface lies outside all its parts; equal for all
+    /// parts. 0 if [`solid`](HullRecord::solid) is 0: not measured.
     pub uncovered: f64,
-    /// Upper bound on how far a point of the part lies outside the source object's solid, in source
-    /// units. 0 if [`solid`] is 0: not measured.
-    ///
-    /// [`solid`]: HullRecord::solid
+    /// Upper bound on how far the part leaves the source object's solid. 0 if
+    /// [`solid`](HullRecord::solid) is 0: not measured.
     pub protrusion: f64,
-    /// Where the part protrudes most, as far as the bake found: a point of the part. 0 if [`solid`]
+    /// The point where the part protrudes most, as far as known. 0 if [`solid`](HullRecord::solid)
     /// is 0.
-    ///
-    /// [`solid`]: HullRecord::solid
     pub protrusion_at: [f64; 3],
-    /// Origin of the hull's frame in the source's: subtracted from the source's coordinates. The
-    /// same for all hulls.
+    /// Origin of the hull's frame in the source's, equal for all hulls.
     pub origin: [f64; 3],
     /// Minimum coordinates of the vertices.
     pub bounds_min: [f32; 3],
@@ -205,8 +189,7 @@ pub struct HullRecord {
     pub max_neighbours: u32,
     /// Maximum number of branches, planes and fans above any leaf.
     pub max_nodes: u32,
-    /// Maximum number of lanes of any leaf, [`LANES`] per block, used or not. No query computes
-    /// more dot products.
+    /// Maximum number of lanes of any leaf, [`LANES`] per block, used or not: bounds dot products.
     pub max_dots: u32,
     /// Number of source points that the hull was built from. Coincident points are all counted.
     pub source_points: u32,
@@ -222,8 +205,7 @@ pub struct HullRecord {
     pub solid: u32,
 }
 
-/// Mass properties of the solid that the mesh of an object bounds, at uniform density. It is in the
-/// frame of the hulls.
+/// Mass properties of the solid of an object's mesh, at uniform density, in the frame of the hulls.
 #[derive(Archive, Serialize, Clone, Copy, Debug, Default, PartialEq)]
 #[rkyv(derive(Clone, Copy, Debug, Pod, Zeroable))]
 pub struct MassRecord {
@@ -272,8 +254,7 @@ pub struct PrimitiveRecord {
 pub struct BvhNode {
     /// Minimum coordinates of the vertices of all hulls below.
     pub bounds_min: [f32; 3],
-    /// For a leaf, the index of its hull. For an inner node, the index of its first child; the
-    /// second child is the next node.
+    /// A leaf's hull, or the first of an inner node's two adjacent children.
     pub target: u32,
     /// Maximum coordinates of the vertices of all hulls below.
     pub bounds_max: [f32; 3],

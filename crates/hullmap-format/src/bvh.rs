@@ -1,10 +1,7 @@
-//! BVH: the tree of bounding boxes over a pack's hulls. It finds the hulls that may intersect a box
-//! without visiting all of them.
-//!
-//! It is a binary tree with one hull per leaf, in [`Pack::nodes`](crate::archive::Pack::nodes).
-//! Each box is the exact bounding box of the vertices of the hulls below it, in the frame that all
-//! hulls of a pack share. Nodes are stored breadth first. The two children of a node are adjacent,
-//! and pairs of children are in the order of their parents. So one pass checks the whole tree.
+//! BVH: the tree of bounding boxes over a pack's hulls, a binary tree with one hull per leaf, in
+//! [`Pack::nodes`](crate::archive::Pack::nodes). Boxes are exact, in the common frame of the hulls.
+//! Nodes are stored breadth first, the two children of a node adjacent, in the order of their
+//! parents. So one pass checks the whole tree.
 //!
 //! # Reference
 //! Ericson, "Real-Time Collision Detection", 2005, chapter 6.
@@ -20,21 +17,14 @@ pub const fn node_count(hull_count: usize) -> usize {
     2 * hull_count - 1
 }
 
-/// Checks the tree of a pack whose spans and hulls have been checked.
-///
-/// # Errors
-/// The first node that is wrong: see [`BvhError`].
-///
-/// # Complexity
-/// O(number of hulls), no allocation.
+/// Checks the tree of a pack whose spans and hulls have been checked: O(hulls), no allocation.
 pub(crate) fn check(pack: &Sections<'_>) -> Result<(), BvhError> {
     let (nodes, hulls) = (pack.nodes, pack.hulls);
     let expected = node_count(hulls.len());
     if nodes.len() != expected {
         return Err(BvhError::NodeCount { found: nodes.len(), expected });
     }
-    // `free` is the first child of the next inner node. The nodes of a level are followed by all
-    // of their children.
+    // `free` is the first child of the next inner node: a level is followed by all its children.
     let mut free = 1;
     let (mut level_end, mut levels) = (1, 1);
     for (index, node) in nodes.iter().enumerate() {
@@ -52,8 +42,8 @@ pub(crate) fn check(pack: &Sections<'_>) -> Result<(), BvhError> {
         }
     }
     // Every node except the root is a child, and no child is out of range, so all nodes are in the
-    // tree. Each leaf is in the record of its hull, so no two leaves share a hull. There are as
-    // many leaves as hulls, so each hull has a leaf.
+    // tree. Each leaf is in its hull's record, so no two leaves share a hull, and there are as
+    // many.
     if levels > MAX_LEVELS { Err(BvhError::Levels { found: levels }) } else { Ok(()) }
 }
 
@@ -111,7 +101,6 @@ mod tests {
         BvhNode { target: first_child, hull_count, ..BvhNode::default() }
     }
 
-    /// Checks a tree over hulls with these leaves.
     fn checked(nodes: Vec<BvhNode>, leaves: &[u32]) -> Result<(), BvhError> {
         let hulls = leaves.iter().map(|&leaf| HullRecord { leaf, ..HullRecord::default() }).collect();
         let pack = Pack { nodes, hulls, ..Pack::default() };
@@ -145,8 +134,7 @@ mod tests {
         assert_eq!(checked(vec![nan], &[0]), Err(BvhError::LeafBox { node: 0, hull: 0 }));
     }
 
-    /// Every inner node has one leaf and one inner node as children, except the last, which has
-    /// two leaves.
+    /// Every inner node has one leaf and one inner node as children, except the last.
     #[test]
     fn trees_with_too_many_levels_are_rejected() {
         let chain = |levels: u32| {

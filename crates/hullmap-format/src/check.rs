@@ -1,19 +1,16 @@
 //! Checks of an archive: whether it meets the requirements that the runtime relies on.
 //!
-//! [`crate::header`] checks the header. The runtime (`hullmap/src/pack/mod.rs`) decides which
-//! checks a file has to pass, and rejects it if one fails or the checksum differs. The levels
-//! follow one another:
+//! The runtime (`hullmap/src/pack/mod.rs`) decides which checks a file has to pass.
+//! [`crate::header`] checks the header; the levels follow one another:
 //!
 //! 1. [`Sections::read`]: the root. O(1).
-//! 2. [`layout`]: the sections of the format version in the header. O(1).
-//! 3. [`structure`]: sections and spans, so that a hull's slices can be handed out. O(number of
-//!    hulls).
-//! 4. [`contents`]: every value that a query could follow or return. One pass over the archive, at
-//!    the speed of memory. Its loops have no early exit and run over whole sections where they can,
-//!    so that the compiler vectorises them. Only a loop that has failed is repeated to find the
-//!    first error.
-//! 5. [`crate::repeats`]: redundant values agree. Only `bake verify` runs this check: queries are
-//!    safe without it. It may run before level 4.
+//! 2. [`layout`]: the sections of the format version. O(1).
+//! 3. [`structure`]: sections and spans, so that a hull's slices can be handed out. O(hulls).
+//! 4. [`contents`]: every value that a query could follow or return. One pass at the speed of
+//!    memory, in loops without an early exit over whole sections, which the compiler vectorises.
+//!    Only a failed loop is repeated to find the first error.
+//! 5. [`crate::repeats`]: redundant values agree. Queries are safe without it, and only `bake
+//!    verify` runs it. It may run before level 4.
 
 use rkyv::rend::u32_le;
 
@@ -30,14 +27,12 @@ use crate::{
     voids,
 };
 
-/// Checks what is needed to hand out a hull's slices of `pack`, which was read from `payload`.
+/// Checks what is needed to hand out a hull's slices of `pack`, which was read from `payload`, in
+/// O(hulls).
 ///
 /// # Errors
 /// Bytes between sections that are not zero; no hulls; spans that do not ascend or do not end where
 /// the sections end.
-///
-/// # Complexity
-/// O(number of hulls).
 pub fn structure(pack: &Sections<'_>, payload: &[u8]) -> Result<(), CheckError> {
     if pack.hulls.is_empty() {
         return Err(CheckError::NoHulls);
@@ -119,7 +114,6 @@ pub fn layout(pack: &Sections<'_>, layout: Layout) -> Result<(), CheckError> {
     }
 }
 
-/// Where a hull's runs start, in the order of [`SECTIONS`].
 fn starts(span: &ArchivedSpan) -> [u32; SECTIONS.len()] {
     let s = span;
     [s.name, s.vertex, s.face, s.face_vertex, s.quad, s.neighbour, s.edge, s.slot, s.block, s.outer, s.mass]

@@ -14,15 +14,11 @@ use crate::{
 
 /// Why an archive is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum CheckError {
     /// The payload is shorter than the archive's root.
     #[error("the archive is {found} bytes long, but its root alone takes {expected}; bake the source again")]
-    TooShort {
-        /// Length of the payload.
-        found: usize,
-        /// Length of the root.
-        expected: usize,
-    },
+    TooShort { found: usize, expected: usize },
     /// The payload starts at an address that is not a multiple of
     /// [`PAYLOAD_ALIGNMENT`](crate::sections::PAYLOAD_ALIGNMENT).
     #[error("the archive is not aligned to 64 bytes in memory; copy it to an aligned buffer")]
@@ -32,88 +28,46 @@ pub enum CheckError {
     Section {
         /// The section, or "root".
         section: &'static str,
-        /// Position in the payload that the root states.
         found: i64,
-        /// Position after the section before it.
         expected: usize,
     },
     /// A section extends past the end of the archive.
     #[error("section {section} has {count} elements, but only {available} bytes remain; bake the source again")]
-    SectionLength {
-        /// The section.
-        section: &'static str,
-        /// Number of elements that the root states.
-        count: usize,
-        /// Bytes between the section's start and the root.
-        available: usize,
-    },
+    SectionLength { section: &'static str, count: usize, available: usize },
     /// The pack has no hulls.
     #[error("the pack has no hulls; bake the source again")]
     NoHulls,
     /// A section that has one element per element of another section has more or fewer.
     #[error("section {section} has {found} elements (expected {expected}); bake the source again")]
-    SectionCount {
-        /// The section.
-        section: &'static str,
-        /// Number of its elements.
-        found: usize,
-        /// Number of elements that the other sections require.
-        expected: usize,
-    },
+    SectionCount { section: &'static str, found: usize, expected: usize },
     /// A hull's run starts before the run of the hull before it.
     #[error("hull {hull}: its {section} start at {found} (expected at least {least}); bake the source again")]
     SpanOrder {
         /// The hull; one past the last for the end of the last hull.
         hull: usize,
-        /// The section.
         section: &'static str,
-        /// Start of the run.
         found: u32,
-        /// Start of the run before it.
         least: u32,
     },
     /// The run of the first hull does not start at 0.
     #[error("hull 0: its {section} start at {found} (expected 0); bake the source again")]
-    FirstSpan {
-        /// The section.
-        section: &'static str,
-        /// Start of the run.
-        found: u32,
-    },
+    FirstSpan { section: &'static str, found: u32 },
     /// The runs of a section do not end where the section ends.
     #[error("the {section} of all hulls end at {found} (expected {expected}); bake the source again")]
-    SpanEnd {
-        /// The section.
-        section: &'static str,
-        /// End of the last run.
-        found: u32,
-        /// Length of the section.
-        expected: usize,
-    },
+    SpanEnd { section: &'static str, found: u32, expected: usize },
     /// A byte between two sections is not zero.
     #[error("byte {offset} of the archive, before section {next_section}, is not zero; bake the source again")]
     Gap {
         /// The section after the gap, or "root".
         next_section: &'static str,
-        /// Offset of the byte in the payload.
         offset: usize,
     },
     /// A section of text is not UTF-8.
     #[error("section {section} is not UTF-8 from byte {at} on; bake the source again")]
-    Text {
-        /// The section.
-        section: &'static str,
-        /// First byte that is not UTF-8.
-        at: usize,
-    },
+    Text { section: &'static str, at: usize },
     /// A hull is invalid.
     #[error("hull {hull}: {source}; bake the source again")]
-    Hull {
-        /// The hull.
-        hull: usize,
-        /// What is wrong.
-        source: HullError,
-    },
+    Hull { hull: usize, source: HullError },
     /// The BVH over the hulls is invalid.
     #[error("bounding volume hierarchy: {0}; bake the source again")]
     Bvh(#[from] BvhError),
@@ -127,57 +81,29 @@ pub enum CheckError {
 
 /// Which requirement a hull violates.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum HullError {
     /// The name is not UTF-8.
     #[error("its name is not UTF-8 from byte {at} on")]
-    Name {
-        /// First byte that is not UTF-8.
-        at: usize,
-    },
+    Name { at: usize },
     /// A length, area, volume or error is negative or not finite.
     #[error("its {field} is {found} (expected a finite number of at least 0)")]
-    Length {
-        /// Field of the record.
-        field: &'static str,
-        /// Its value.
-        found: f64,
-    },
+    Length { field: &'static str, found: f64 },
     /// A coordinate or a moment is not finite.
     #[error("component {axis} of its {field} is {found} (expected a finite number)")]
-    NotFinite {
-        /// Field of the record.
-        field: &'static str,
-        /// Component, from 0.
-        axis: usize,
-        /// Its value.
-        found: f64,
-    },
+    NotFinite { field: &'static str, axis: usize, found: f64 },
     /// The rank is not 0 to 3.
     #[error("its rank is {found} (expected 0 to 3)")]
-    Rank {
-        /// Rank in the record.
-        found: u32,
-    },
+    Rank { found: u32 },
     /// A hull of this rank has more or fewer vertices.
     #[error("it has {found} vertices (expected {} for rank {rank})", vertices_of_rank(*rank))]
-    VertexCount {
-        /// Rank in the record.
-        rank: u32,
-        /// Number of vertices.
-        found: u32,
-    },
+    VertexCount { rank: u32, found: u32 },
     /// The inner ball is larger than the outer one.
     #[error("its inner radius {inner} is greater than its outer radius {outer}")]
-    Radii {
-        /// Inner radius.
-        inner: f64,
-        /// Outer radius.
-        outer: f64,
-    },
+    Radii { inner: f64, outer: f64 },
     /// The part index does not follow the previous hull's.
     #[error("its part is {found} (expected {expected})")]
     Part {
-        /// Part in the record.
         found: u32,
         /// Index of the next part, or 0 if the hull before completes its object.
         expected: u32,
@@ -185,19 +111,14 @@ pub enum HullError {
     /// The number of parts of its object differs from the previous part's, or fewer hulls follow.
     #[error("its object has {found} parts (expected {})", expected_parts(*expected, *left))]
     PartCount {
-        /// Number in the record.
         found: u32,
         /// Number in the record of the part before it, if there is one.
         expected: Option<u32>,
-        /// Number of hulls from this one on.
         left: usize,
     },
     /// The kind of solid is not 0 to 3.
     #[error("its kind of solid is {found} (expected 0 to 3)")]
-    Solid {
-        /// Code in the record.
-        found: u32,
-    },
+    Solid { found: u32 },
     /// A hull that was not measured states an uncovered distance or a protrusion.
     #[error("its kind of solid states that it was not measured, but its uncovered distance or its protrusion is not 0")]
     Unmeasured,
@@ -210,7 +131,6 @@ pub enum HullError {
     /// It has several mass records, or one although it is not the first hull of its object.
     #[error("it has {found} mass records (expected at most {expected})")]
     MassCount {
-        /// Number of its records.
         found: usize,
         /// 1 for the first hull of an object, 0 for its other parts.
         expected: usize,
@@ -220,89 +140,36 @@ pub enum HullError {
     Mass(#[from] MassError),
     /// Its frame differs from the frame of the other hulls.
     #[error("its origin is {found:?} (expected {expected:?}, the origin of the hull before it)")]
-    Origin {
-        /// Its origin.
-        found: [f64; 3],
-        /// Origin of the hull before.
-        expected: [f64; 3],
-    },
+    Origin { found: [f64; 3], expected: [f64; 3] },
     /// A vertex is outside of the bounds, or not finite.
     #[error("vertex {vertex}: coordinate {axis} is {found} (the bounds are {low} to {high})")]
-    VertexBounds {
-        /// The vertex.
-        vertex: usize,
-        /// 0, 1 or 2.
-        axis: usize,
-        /// The coordinate.
-        found: f32,
-        /// Lower bound.
-        low: f32,
-        /// Upper bound.
-        high: f32,
-    },
+    VertexBounds { vertex: usize, axis: usize, found: f32, low: f32, high: f32 },
     /// Source vertices do not ascend.
     #[error("vertex {vertex}: source vertex {found} does not follow source vertex {before} of the vertex before it")]
-    SourceVertexOrder {
-        /// The vertex.
-        vertex: usize,
-        /// Its source vertex.
-        found: u32,
-        /// Source vertex of the vertex before it.
-        before: u32,
-    },
+    SourceVertexOrder { vertex: usize, found: u32, before: u32 },
     /// A segment or a point has faces, or a polygon or a solid has no faces.
     #[error("it has {faces} faces and {corners} face vertices (rank {rank} {})", faces_of_rank(*rank))]
-    FaceCount {
-        /// Rank in the record.
-        rank: u32,
-        /// Number of faces.
-        faces: usize,
-        /// Number of vertices of all faces.
-        corners: usize,
-    },
+    FaceCount { rank: u32, faces: usize, corners: usize },
     /// A large hull in a lean pack has faces.
     #[error(
         "it has {faces} faces (a lean pack has none of a hull of {vertex_count} vertices, more than {})",
         crate::archive::LEAN_FACES
     )]
-    LeanFaces {
-        /// Number of vertices of the hull.
-        vertex_count: u32,
-        /// Number of faces.
-        faces: usize,
-    },
+    LeanFaces { vertex_count: u32, faces: usize },
     /// A face has fewer than three vertices, or its run is out of order or out of range.
     #[error(
         "face {face}: its vertices are entries {start}..{end} of {corners} (runs must be contiguous, of 3 entries or more)"
     )]
-    FaceRun {
-        /// The face.
-        face: usize,
-        /// Start of its run.
-        start: u32,
-        /// Start of the next run.
-        end: u32,
-        /// Number of vertices of all faces.
-        corners: usize,
-    },
+    FaceRun { face: usize, start: u32, end: u32, corners: usize },
     /// A face refers to a vertex that does not exist.
     #[error("face {face}: vertex index {found} is out of range (the hull has {vertex_count} vertices)")]
-    FaceVertex {
-        /// The face.
-        face: usize,
-        /// The index.
-        found: u32,
-        /// Number of vertices.
-        vertex_count: u32,
-    },
+    FaceVertex { face: usize, found: u32, vertex_count: u32 },
     /// The numbers of vertices, edges and faces violate Euler's formula for a polyhedron.
     #[error(
         "its {vertices} vertices, {faces} faces and {corners} face vertices (two per edge) violate Euler's formula"
     )]
     Euler {
-        /// Number of vertices.
         vertices: u32,
-        /// Number of faces.
         faces: usize,
         /// Number of vertices of all faces: twice the number of edges.
         corners: usize,
@@ -310,145 +177,60 @@ pub enum HullError {
     /// An entry of the quads does not name the next face with more than four corners.
     #[error("quad {quad}: its face is {found} (expected {})", expected_face(*expected))]
     QuadFace {
-        /// Position in the hull's quads.
         quad: usize,
-        /// Its face.
         found: u32,
         /// The next face with more than four corners; `None` if there are no more.
         expected: Option<u32>,
     },
     /// A face with more than four corners has no entry.
     #[error("face {face} has more than four corners and no quad")]
-    QuadMissing {
-        /// The face.
-        face: usize,
-    },
+    QuadMissing { face: usize },
     /// The corners of a quad are not corners of its face, in ascending order.
     #[error("quad {quad}: its corners are {found:?} (they must ascend below {corner_count}, the corners of its face)")]
-    QuadCorners {
-        /// Position in the hull's quads.
-        quad: usize,
-        /// Its corners.
-        found: [u32; 4],
-        /// Number of corners of the face.
-        corner_count: u32,
-    },
+    QuadCorners { quad: usize, found: [u32; 4], corner_count: u32 },
     /// The fall of a quad is not the sine of an angle from 0 to a right angle.
     #[error("quad {quad}: its fall is {found} (expected 0 to 1)")]
-    QuadFall {
-        /// Position in the hull's quads.
-        quad: usize,
-        /// Its fall.
-        found: f32,
-    },
+    QuadFall { quad: usize, found: f32 },
     /// The fall of a quad differs from the fall of its face.
     #[error("quad {quad}: its fall is {found} (expected {expected}, from the edges that leave its face)")]
-    QuadFallDiffers {
-        /// Position in the hull's quads.
-        quad: usize,
-        /// Its fall.
-        found: f32,
-        /// Fall of its face.
-        expected: f32,
-    },
+    QuadFallDiffers { quad: usize, found: f32, expected: f32 },
     /// A quad is smaller than half of its face.
     #[error("quad {quad}: it has {share} of the area of its face (expected at least 0.5)")]
-    QuadArea {
-        /// Position in the hull's quads.
-        quad: usize,
-        /// Its area, relative to the face's area.
-        share: f64,
-    },
+    QuadArea { quad: usize, share: f64 },
     /// A run of neighbours is out of order or out of range.
     #[error("vertex {vertex}: its neighbours are entries {start}..{end} of {count} (runs must be contiguous)")]
-    NeighbourRun {
-        /// The vertex.
-        vertex: usize,
-        /// Start of its run.
-        start: u32,
-        /// Start of the next run.
-        end: u32,
-        /// Number of neighbours of all vertices.
-        count: usize,
-    },
+    NeighbourRun { vertex: usize, start: u32, end: u32, count: usize },
     /// The maximum in the record is wrong.
     #[error("its record states at most {found} neighbours of a vertex (expected {expected})")]
-    MaxNeighbours {
-        /// Maximum in the record.
-        found: u32,
-        /// Maximum of its runs.
-        expected: u32,
-    },
+    MaxNeighbours { found: u32, expected: u32 },
     /// A neighbour is a vertex that does not exist.
     #[error("neighbour {entry}: vertex index {found} is out of range (the hull has {vertex_count} vertices)")]
-    Neighbour {
-        /// Position in the hull's neighbours.
-        entry: usize,
-        /// The index.
-        found: u32,
-        /// Number of vertices.
-        vertex_count: u32,
-    },
+    Neighbour { entry: usize, found: u32, vertex_count: u32 },
     /// The face to the left of an edge does not exist.
     #[error("neighbour {entry}: face index {found} is out of range (the hull has {face_count} faces)")]
-    NeighbourFace {
-        /// Position in the hull's neighbours.
-        entry: usize,
-        /// The index.
-        found: u32,
-        /// Number of faces.
-        face_count: u32,
-    },
+    NeighbourFace { entry: usize, found: u32, face_count: u32 },
     /// There are more or fewer neighbours than directed edges of faces.
     #[error("its vertices have {found} neighbours (expected {expected}, one per face vertex)")]
-    NeighbourCount {
-        /// Number of neighbours of all vertices.
-        found: usize,
-        /// Number of vertices of all faces.
-        expected: usize,
-    },
+    NeighbourCount { found: usize, expected: usize },
     /// The neighbours of a vertex do not ascend.
     #[error("vertex {vertex}: its neighbours do not ascend at neighbour {found}")]
-    NeighbourOrder {
-        /// The vertex.
-        vertex: usize,
-        /// The neighbour that is not greater than the one before it.
-        found: u32,
-    },
+    NeighbourOrder { vertex: usize, found: u32 },
     /// An edge of a face is not among the neighbours, or a neighbour names a face without it.
     #[error("face {face} and the neighbours disagree on the edge from vertex {from} to vertex {to}")]
-    FaceEdge {
-        /// The face.
-        face: usize,
-        /// Vertex at which the edge starts.
-        from: u32,
-        /// Vertex at which it ends.
-        to: u32,
-    },
+    FaceEdge { face: usize, from: u32, to: u32 },
     /// A solid without exactly three edge coordinates per neighbour, or another hull with some.
     #[error("it has {found} edge coordinates (expected {expected})")]
     EdgeCount {
-        /// Number of coordinates.
         found: usize,
         /// Three per neighbour for a solid, otherwise 0.
         expected: usize,
     },
     /// The outer hull has too few or too many vertices.
     #[error("its outer hull has {found} vertices (expected 0, or 4 to {})", crate::archive::MAX_OUTER_VERTICES)]
-    OuterVertexCount {
-        /// Number of vertices.
-        found: usize,
-    },
+    OuterVertexCount { found: usize },
     /// A coordinate of the outer hull is not finite.
     #[error("vertex {vertex} of its outer hull: coordinate {axis} is {found} (expected a finite number)")]
-    OuterVertex {
-        /// The vertex.
-        vertex: usize,
-        /// 0, 1 or 2.
-        axis: usize,
-        /// The coordinate.
-        found: f32,
-    },
+    OuterVertex { vertex: usize, axis: usize, found: f32 },
     /// The record does not state an index kind.
     #[error(transparent)]
     IndexKind(#[from] RecordedKindError),
@@ -463,174 +245,73 @@ pub enum HullError {
         "its record states a worst case of {} nodes and {} dot products (expected {} and {})",
         found.nodes, found.dots, expected.nodes, expected.dots
     )]
-    WorstCost {
-        /// Cost in the record.
-        found: Cost,
-        /// Cost of its index.
-        expected: Cost,
-    },
+    WorstCost { found: Cost, expected: Cost },
     /// A leaf has more candidates than the hull has vertices.
     #[error("a leaf of its index has {found} candidates (a hull of {vertex_count} vertices has at most {limit})")]
     LeafCandidates {
-        /// Lanes of the longest leaf.
         found: u32,
-        /// Number of vertices.
         vertex_count: u32,
         /// The vertices, rounded up to whole blocks and to a plain leaf.
         limit: u32,
     },
     /// A lane of a block refers to a vertex that does not exist.
     #[error("block {block}, lane {lane}: vertex index {found} is out of range (the hull has {vertex_count} vertices)")]
-    BlockVertex {
-        /// The block.
-        block: usize,
-        /// 0 to 7.
-        lane: usize,
-        /// The index.
-        found: u32,
-        /// Number of vertices.
-        vertex_count: u32,
-    },
+    BlockVertex { block: usize, lane: usize, found: u32, vertex_count: u32 },
     /// A lane of a block is outside of the bounds, or not finite.
     #[error("block {block}, lane {lane}: coordinate {axis} is {found} (the bounds are {low} to {high})")]
-    BlockBounds {
-        /// The block.
-        block: usize,
-        /// 0 to 7.
-        lane: usize,
-        /// 0, 1 or 2.
-        axis: usize,
-        /// The coordinate.
-        found: f32,
-        /// Lower bound.
-        low: f32,
-        /// Upper bound.
-        high: f32,
-    },
+    BlockBounds { block: usize, lane: usize, axis: usize, found: f32, low: f32, high: f32 },
     /// The position in a lane differs from its vertex's.
     #[error(
         "block {block}, lane {lane}: it has position {found:?} (expected {expected:?}, the position of vertex {vertex})"
     )]
-    BlockPosition {
-        /// The block.
-        block: usize,
-        /// 0 to 7.
-        lane: usize,
-        /// Vertex of the lane.
-        vertex: u32,
-        /// Position in the block.
-        found: [f32; 3],
-        /// Position of the vertex.
-        expected: [f32; 3],
-    },
+    BlockPosition { block: usize, lane: usize, vertex: u32, found: [f32; 3], expected: [f32; 3] },
     /// An edge is not the direction between its vertices.
     #[error("the edge from vertex {vertex} to vertex {neighbour} is {found:?} (expected {expected:?})")]
-    Edge {
-        /// Vertex at which the edge starts.
-        vertex: usize,
-        /// Vertex at which it ends.
-        neighbour: u32,
-        /// The edge in the file.
-        found: [i16; 3],
-        /// The edge between the two positions.
-        expected: [i16; 3],
-    },
+    Edge { vertex: usize, neighbour: u32, found: [i16; 3], expected: [i16; 3] },
     /// A run or an index is out of range, in an archive that has not passed
     /// [`contents`](crate::check::contents).
     #[error("its {section} are out of range")]
-    OutOfRange {
-        /// The section.
-        section: &'static str,
-    },
+    OutOfRange { section: &'static str },
 }
 
 /// Why nodes are not a bounding volume hierarchy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum BvhError {
     /// The number of leaves differs from the number of hulls.
     #[error("it has {found} nodes (expected {expected})")]
     NodeCount {
-        /// Number of nodes.
         found: usize,
         /// Twice the number of hulls, minus one.
         expected: usize,
     },
     /// No earlier node has this node as a child.
     #[error("node {node} is not a child of any node before it")]
-    NoParent {
-        /// The node.
-        node: usize,
-    },
+    NoParent { node: usize },
     /// A leaf refers to a hull that does not exist.
     #[error("node {node}: hull index {found} is out of range (the pack has {hull_count} hulls)")]
-    Hull {
-        /// The leaf.
-        node: usize,
-        /// The index.
-        found: usize,
-        /// Number of hulls.
-        hull_count: usize,
-    },
+    Hull { node: usize, found: usize, hull_count: usize },
     /// A hull's record states another leaf.
     #[error("node {node} is the leaf of hull {hull}, whose record states leaf {found}")]
-    Leaf {
-        /// The leaf.
-        node: usize,
-        /// Its hull.
-        hull: usize,
-        /// Leaf in the hull's record.
-        found: usize,
-    },
+    Leaf { node: usize, hull: usize, found: usize },
     /// The box of a leaf differs from the bounds of its hull.
     #[error("node {node}: its box is not the bounds of hull {hull}")]
-    LeafBox {
-        /// The leaf.
-        node: usize,
-        /// Its hull.
-        hull: usize,
-    },
+    LeafBox { node: usize, hull: usize },
     /// The children of a node are not the next nodes without a parent.
     #[error("node {node}: its first child is {found} (expected {expected})")]
-    ChildOrder {
-        /// The node.
-        node: usize,
-        /// Its first child.
-        found: usize,
-        /// The first node without a parent.
-        expected: usize,
-    },
+    ChildOrder { node: usize, found: usize, expected: usize },
     /// A child does not exist.
     #[error("node {node}: its children {first} and {} are out of range (the tree has {node_count} nodes)", first + 1)]
-    ChildRange {
-        /// The node.
-        node: usize,
-        /// Its first child.
-        first: usize,
-        /// Number of nodes.
-        node_count: usize,
-    },
+    ChildRange { node: usize, first: usize, node_count: usize },
     /// A node states a number of hulls that differs from the number below it.
     #[error("node {node} states {found} hulls (its children have {expected:?})")]
-    HullCount {
-        /// The node.
-        node: usize,
-        /// Number in the node.
-        found: u32,
-        /// Numbers in its children.
-        expected: [u32; 2],
-    },
+    HullCount { node: usize, found: u32, expected: [u32; 2] },
     /// The box of a node is not the union of its children's boxes.
     #[error("node {node}: its box is not the union of the boxes of its children")]
-    Box {
-        /// The node.
-        node: usize,
-    },
+    Box { node: usize },
     /// The tree has too many levels.
     #[error("it has {found} levels (at most {MAX_LEVELS} are allowed)")]
-    Levels {
-        /// Number of levels.
-        found: u32,
-    },
+    Levels { found: u32 },
 }
 
 fn vertices_of_rank(rank: u32) -> &'static str {

@@ -3,15 +3,13 @@
 //! A direction pierces one of the six faces of the cube [−1, 1]³. On face `2·axis + s`, coordinate
 //! `axis` has the largest magnitude; `s` is 1 if it is negative. The other two coordinates, in
 //! cyclic order and divided by that magnitude, are (u, v), both in [−1, 1]. Rounding `u · SCALE +
-//! 2²²` gives the index of u in a grid of 2²³ cells; the same holds for v. The bits of the two grid
-//! indices, from the top, are the path through a tree over the face.
+//! 2²²` gives the index of u in a grid of 2²³ cells, and likewise v. The bits of both indices, from
+//! the top, are the path through a tree over the face.
 //!
 //! The baker computes a cell's square with [`grid_to_uv`]; the runtime computes a direction's cell
-//! with [`locate`]. They agree up to [`CELL_SLACK`], by which the baker widens every square.
-//!
-//! [`locate`] works in f32, with one division and no branch. Its error in u or v is at most 3e-7,
-//! which [`CELL_SLACK`] covers. A direction outside of [`IN_RANGE`] is scaled into that range
-//! first. This too moves it by less than the slack.
+//! with [`locate`], in f32 with one division and no branch. It is off by at most 3e-7 in u or v,
+//! less than the [`CELL_SLACK`] by which the baker widens squares. Directions outside of
+//! [`IN_RANGE`] are scaled into it first, within the slack.
 
 use std::ops::RangeInclusive;
 
@@ -27,17 +25,15 @@ const SCALE: f32 = ((1 << (GRID_BITS - 1)) - 1) as f32;
 
 const CENTRE: u32 = 1 << (GRID_BITS - 1);
 
-/// Adding this to a number of magnitude below 2²² rounds it to an integer. The low bits of the
-/// sum's mantissa hold that integer plus 2²².
+/// Added to a number of magnitude below 2²², it rounds to an integer, plus 2²² in the low bits of
+/// the mantissa.
 const ROUND_BY: f32 = (3_u32 << (GRID_BITS - 1)) as f32;
 
 const GRID_MASK: u32 = (1 << GRID_BITS) - 1;
 
-/// Margin, in units of u and v, by which a cell's square must be widened to contain every direction
-/// that [`locate`] assigns to it.
-///
-/// Five roundings affect u: of both coordinates to f32, of the quotient, of the product and of the
-/// sum. Together they move it by at most five times 2⁻²⁴, 3e-7.
+/// Margin, in units of u and v, by which a cell's square contains every direction that [`locate`]
+/// assigns to it. Five roundings, of both coordinates to f32, the quotient, the product and the
+/// sum, move u by at most five times 2⁻²⁴, 3e-7.
 pub const CELL_SLACK: f64 = 4e-7;
 
 /// Where a direction pierces the cube.
@@ -59,10 +55,9 @@ pub fn largest(dir: [f32; 3]) -> f32 {
     if z > xy { z } else { xy }
 }
 
-/// Cell of the finest grid that contains `dir`.
-///
-/// `dir` need not be of unit length, but its [`largest`] coordinate should be [`IN_RANGE`]. For any
-/// other direction, some cell is returned. Every result is in range.
+/// Cell of the finest grid that contains `dir`, which need not be of unit length, but whose
+/// [`largest`] coordinate should be [`IN_RANGE`]. For any other direction, some cell in range is
+/// returned.
 #[inline]
 #[expect(clippy::indexing_slicing, reason = "`axis` is 0, 1 or 2: where z wins, y does not")]
 pub fn locate(dir: [f32; 3]) -> Cell {
@@ -96,10 +91,8 @@ pub fn direction(face: u32, u: f64, v: f64) -> [f64; 3] {
     dir
 }
 
-/// Cell of a uniform cube map with `resolution` cells along a face's edge, by faces and rows.
-///
-/// An unchecked file may state a resolution near 2³². The number of cells then exceeds 64 bits, and
-/// the result wraps around.
+/// Cell of a uniform cube map with `resolution` cells along a face's edge, by faces and rows. An
+/// unchecked file's resolution near 2³² makes the result wrap around.
 #[inline]
 pub fn uniform_cell(cell: Cell, resolution: u32) -> u64 {
     let column = uniform_step(cell.u, resolution);

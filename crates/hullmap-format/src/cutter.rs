@@ -1,9 +1,8 @@
 //! Cuts the payload of a file into its sections, in their order.
 //!
-//! The root is the last structure of the payload: an offset, relative to its own position, and an
-//! element count for each section. The order of the sections and their alignment fix every offset,
-//! given the counts. So an offset is not merely in range: it equals the only offset that this
-//! version writes.
+//! The root is the last structure of the payload: for each section an offset, relative to its own
+//! position, and an element count. Given the counts, the order and alignment of sections fix every
+//! offset: it must equal the only one that this version writes.
 
 use bytemuck::Pod;
 
@@ -20,14 +19,11 @@ pub(crate) struct Cutter<'a, const ROOT_LEN: usize> {
     payload: &'a [u8],
     /// The last bytes of the payload, after zeros if it is shorter.
     root: [u8; ROOT_LEN],
-    /// Position of the root in the payload.
     root_at: usize,
-    /// End of the last section.
     end: usize,
 }
 
 impl<'a, const ROOT_LEN: usize> Cutter<'a, ROOT_LEN> {
-    /// Starts with a root of `least` bytes.
     pub(crate) fn new(payload: &'a [u8], least: usize) -> Result<Self, CheckError> {
         if !payload.as_ptr().addr().is_multiple_of(PAYLOAD_ALIGNMENT) {
             return Err(CheckError::Misaligned);
@@ -43,17 +39,14 @@ impl<'a, const ROOT_LEN: usize> Cutter<'a, ROOT_LEN> {
         Ok(Self { payload, root, root_at, end: 0 })
     }
 
-    /// Whether something is between the sections so far and the root.
     pub(crate) fn has_more(&self) -> bool {
         self.end.next_multiple_of(ROOT_ALIGNMENT) != self.root_at
     }
 
-    /// Continues with a root that starts `len` bytes earlier.
     pub(crate) fn extend_root(&mut self, len: usize) {
         self.root_at = self.root_at.saturating_sub(len);
     }
 
-    /// The four bytes of the root at `at`.
     fn word(&self, at: usize) -> [u8; 4] {
         self.root.get(at..).and_then(<[u8]>::first_chunk).copied().unwrap_or_default()
     }
@@ -81,7 +74,6 @@ impl<'a, const ROOT_LEN: usize> Cutter<'a, ROOT_LEN> {
         Ok(slice)
     }
 
-    /// Checks that the root follows the last section.
     pub(crate) fn finish(&self) -> Result<(), CheckError> {
         let expected = self.end.next_multiple_of(ROOT_ALIGNMENT);
         let found = self.root_at as i64;

@@ -1,8 +1,7 @@
 //! Descent through a direction index: from a direction's cell, node by node, to its leaf.
 //!
-//! This is the only code that follows the words of an index by a direction in f64. The runtime, the
-//! report and tests call it. Every read is bounds-checked, so that words that were not checked lead
-//! to some slot, or to 0.
+//! The runtime, the report and tests follow the words of an index by a direction in f64 only here.
+//! Every read is bounds-checked: unchecked words lead to some slot, or to 0.
 //!
 //! | function | step of a direction |
 //! |---|---|
@@ -111,7 +110,6 @@ fn is_in_front<T: Word, const N: usize>(node: &[T; N], count: usize, plane: usiz
     n(0) * dir[0] + n(1) * dir[1] + n(2) * dir[2] > 0.0
 }
 
-/// The f64 of index `index` at the front of a node.
 #[inline(always)]
 #[expect(
     clippy::indexing_slicing,
@@ -152,7 +150,6 @@ mod tests {
 
     #[test]
     fn bundles_lead_to_their_parts() {
-        // Planes across x, then y behind and in front of it, then z.
         let normals = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]];
         let normal = |plane: usize| normals.get(plane).copied().unwrap_or([0.0, 0.0, 1.0]);
         let mut words: Vec<u32> =

@@ -1,5 +1,4 @@
-//! Quantised directions of a hull's edges: they certify that a vertex is the support vertex without
-//! reading its neighbours.
+//! Quantised directions of a hull's edges: they certify a support vertex without its neighbours.
 //!
 //! Vertex v is the support point in direction d if (w − v)·d < 0 for all its neighbours w. The unit
 //! vector from v to w is stored as three i16, times [`SCALE`] and rounded. For a stored edge q, q·d
@@ -9,14 +8,12 @@
 /// Stored value of the coordinate 1.
 pub const SCALE: f64 = 32767.0;
 
-/// Maximum error of q·d in f32, relative to |d|₁. Rounding the edge contributes half a unit. Four
-/// more roundings (of the direction, a product and two sums), by 2⁻²⁴ of at most 32,767 each,
-/// contribute 0.008. The rest is margin.
+/// Maximum error of q·d in f32, relative to |d|₁: half a unit for the rounded edge, 0.008 for four
+/// more roundings (of the direction, a product and two sums) by 2⁻²⁴ of at most 32,767, and margin.
 pub const DOUBT: f32 = 0.52;
 
-/// The edge from `v` to `w`, which must differ.
-///
-/// Every operation is rounded once by IEEE 754, so that the result is the same everywhere.
+/// The edge from `v` to `w`, which must differ. Every operation is rounded once by IEEE 754, the
+/// same everywhere.
 #[expect(clippy::indexing_slicing, reason = "an array of three is made of two arrays of three")]
 pub fn quantise(v: [f32; 3], w: [f32; 3]) -> [i16; 3] {
     let edge: [f64; 3] = std::array::from_fn(|i| f64::from(w[i]) - f64::from(v[i]));

@@ -1,17 +1,14 @@
 //! Finds the slot of a fan to which a direction belongs.
 //!
-//! A fan divides the directions around an axis into equal steps of an angle. The angle is measured
-//! along the outline of a square around the axis. Its sides have length 2, so a quarter turn is 2
-//! and a full turn is 8. Computing it takes one division and no trigonometric function, whose last
-//! digits would differ between machines.
+//! A fan divides the directions around an axis into equal steps of an angle, measured along the
+//! outline of a square of side 2, so a full turn is 8. That takes one division and no trigonometric
+//! function, whose last digits would differ between machines.
 
 /// A full turn.
 pub const TURN: f64 = 8.0;
 
-/// The angle of the point: 0 along x, 2 along y, from −1 to 7. NaN at the origin.
-///
-/// # Complexity
-/// One division and no branch.
+/// The angle of the point: 0 along x, 2 along y, from −1 to 7. NaN at the origin. One division, no
+/// branch.
 #[inline]
 pub fn angle(x: f64, y: f64) -> f64 {
     let steep = y.abs() > x.abs();
@@ -20,8 +17,7 @@ pub fn angle(x: f64, y: f64) -> f64 {
     rise / run + 2.0 * quarter
 }
 
-/// The point at `angle` on the outline of the square: the inverse of [`angle()`]. Any angle is
-/// allowed; a full turn leads to the same point.
+/// The point at any `angle` on the outline of the square: the inverse of [`angle()`].
 #[inline]
 pub fn point(angle: f64) -> [f64; 2] {
     let quarter = ((angle + 1.0) / 2.0).floor();
@@ -34,10 +30,9 @@ pub fn point(angle: f64) -> [f64; 2] {
     }
 }
 
-/// Number of words before a fan's slots. They hold five values: the x axis and the y axis of the
-/// frame (three f64 each, low word first), the angle at which the first slot starts (f64), the
-/// number of slots per unit of the angle (f64), and the number of bits of a slot's index (one
-/// word).
+/// Number of words before a fan's slots: the x and the y axis of the frame (three f64 each, low
+/// word first), the angle at which the first slot starts (f64), the number of slots per unit of the
+/// angle (f64), and the number of bits of a slot's index (one word).
 pub const HEAD_WORDS: u32 = 17;
 
 /// Index of the frame's x axis among the f64 values before a fan's slots: of its first coordinate.
@@ -59,9 +54,8 @@ pub const BITS_WORD: u32 = HEAD_WORDS - 1;
 pub const MAX_BITS: u32 = 20;
 
 /// Index of the slot that contains `dir`, in a fan of 2ᵇ slots with b = `bits`. `number` reads the
-/// f64 values before the slots, by index.
-///
-/// Rounding errors shift a unit direction by a few 1e-16. For any input, the result is below 2ᵇ.
+/// f64 values before the slots, by index. Rounding shifts a unit direction by a few 1e-16. For any
+/// input, the result is below 2ᵇ.
 #[inline]
 pub fn slot(number: impl Fn(usize) -> f64, bits: u32, dir: [f64; 3]) -> u32 {
     let dot = |from: usize| number(from) * dir[0] + number(from + 1) * dir[1] + number(from + 2) * dir[2];

@@ -61,7 +61,6 @@ impl FileKind {
         }
     }
 
-    /// Command that writes files of this kind.
     const fn writer(self) -> &'static str {
         match self {
             Self::Pack => "`bake build`",
@@ -117,21 +116,14 @@ pub struct Header {
 
 /// Why a header is rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum HeaderError {
     /// The file is shorter than a header.
     #[error("the file is {found} bytes long, but the header of a pack takes {HEADER_LEN}; bake the source again")]
-    TooShort {
-        /// Length of the file, in bytes.
-        found: usize,
-    },
+    TooShort { found: usize },
     /// The file is longer than the longest pack.
     #[error("the file is {found} bytes long, but a pack takes at most {expected}; pass a file that `bake build` wrote")]
-    TooLong {
-        /// Length of the file, in bytes.
-        found: u64,
-        /// Length of the longest pack, in bytes.
-        expected: u64,
-    },
+    TooLong { found: u64, expected: u64 },
     /// The first eight bytes are not the magic of the expected kind of file.
     #[error(
         "not a {expected}: it starts with \"{}\" instead of \"{}\"; pass a file that {} wrote",
@@ -139,47 +131,26 @@ pub enum HeaderError {
         expected.magic().escape_ascii(),
         expected.writer()
     )]
-    Magic {
-        /// First eight bytes.
-        found: [u8; 8],
-        /// Kind of file that was expected.
-        expected: FileKind,
-    },
+    Magic { found: [u8; 8], expected: FileKind },
     /// The file has another format version.
     #[error(
         "the file has format version {found}, but this build reads {}; {}",
         version_list(kind.versions()),
         version_remedy(*found, kind.versions())
     )]
-    Version {
-        /// Version that the file states.
-        found: u32,
-        /// Kind of the file.
-        kind: FileKind,
-    },
+    Version { found: u32, kind: FileKind },
     /// The stated length of the header is not [`HEADER_LEN`].
     #[error("damaged header: it states a length of {found} bytes instead of {HEADER_LEN}; bake the source again")]
-    HeaderLength {
-        /// Length that the header states.
-        found: u32,
-    },
+    HeaderLength { found: u32 },
     /// The reserved bytes are not zero.
     #[error("damaged header: its reserved bytes are {found:?} instead of zeros; bake the source again")]
-    Reserved {
-        /// The reserved bytes.
-        found: [u8; 8],
-    },
+    Reserved { found: [u8; 8] },
     /// The length of the file differs from the stated length.
     #[error(
         "{found} bytes follow the header, but it states {expected}: the file was truncated or extended; bake the source \
          again"
     )]
-    Length {
-        /// Payload length that the header states.
-        expected: u64,
-        /// Bytes that follow the header.
-        found: u64,
-    },
+    Length { expected: u64, found: u64 },
 }
 
 fn version_list(versions: &[u32]) -> String {
@@ -300,8 +271,7 @@ impl Header {
     /// Checks that exactly the stated payload follows the header in a file of `file_len` bytes.
     ///
     /// # Errors
-    /// [`HeaderError::Length`] if bytes are missing or left over; [`HeaderError::TooLong`] if the
-    /// file is longer than any pack.
+    /// [`HeaderError::Length`] or [`HeaderError::TooLong`].
     pub fn check_length(&self, file_len: u64) -> Result<(), HeaderError> {
         let found = file_len.saturating_sub(HEADER_LEN as u64);
         if found != self.payload_len {
@@ -311,19 +281,13 @@ impl Header {
         if file_len <= expected { Ok(()) } else { Err(HeaderError::TooLong { found: file_len, expected }) }
     }
 
-    /// Whether the checksum matches this header and `payload`.
-    ///
-    /// # Complexity
-    /// One pass over the payload.
+    /// Whether the checksum matches this header and `payload`, in one pass.
     pub fn matches_checksum(&self, payload: &[u8]) -> bool {
         self.checksum == self.checksum_of(payload)
     }
 
-    /// Checksum of a file that consists of this header and `payload`. It does not depend on the
-    /// field [`checksum`](Self::checksum).
-    ///
-    /// # Complexity
-    /// One pass over the payload.
+    /// Checksum of a file of this header and `payload`, whatever its field
+    /// [`checksum`](Self::checksum), in one pass.
     pub fn checksum_of(&self, payload: &[u8]) -> u64 {
         checksum(&self.to_bytes(), payload)
     }

@@ -16,7 +16,6 @@ use crate::{
     walk::{Cost, Shape, walk},
 };
 
-/// One hull of an archive that passed [`structure`](crate::check::structure).
 pub(crate) struct HullCheck<'a> {
     pub(crate) hull: usize,
     pub(crate) pack: &'a Sections<'a>,
@@ -139,8 +138,7 @@ impl HullCheck<'_> {
         }
     }
 
-    /// A hull that was not measured states no distances. All parts of an object were measured
-    /// against one solid.
+    /// A hull that was not measured states no distances. One solid measured all parts of an object.
     fn solid(&self) -> Result<(), HullError> {
         let r = self.record;
         let found = r.solid.to_native();
@@ -162,9 +160,8 @@ impl HullCheck<'_> {
         }
     }
 
-    /// The first hull of an object may have the mass of the object's mesh, whose centre is then
-    /// within the bounds of its hulls. A file that passes has a centre and an inertia tensor that a
-    /// solid can have.
+    /// An object's first hull may have the mass of its mesh: its centre is then within the bounds
+    /// of the hulls, and a solid can have its inertia tensor.
     fn mass(&self) -> Result<(), HullError> {
         let found = run(self.pack.masses, self.start.mass, self.end.mass);
         let expected = usize::from(self.record.part.to_native() == 0);
@@ -210,7 +207,6 @@ impl HullCheck<'_> {
         HullError::VertexBounds { vertex: index / 3, axis: index % 3, found, low, high }
     }
 
-    /// Lower and upper bound along an axis, 0 to 2.
     fn bounds(&self, axis: usize) -> [f32; 2] {
         [&self.record.bounds_min, &self.record.bounds_max].map(|b| b.get(axis).map_or(f32::NAN, |c| c.to_native()))
     }
@@ -469,8 +465,7 @@ fn run_lengths(starts: &[u32_le], end: usize) -> Option<(u32, u32)> {
     let (first, later) = starts.split_first()?;
     let (first, last, end) = (first.to_native(), starts.last()?.to_native(), u32::try_from(end).ok()?);
     let (mut shortest, mut longest, mut farthest) = (u32::MAX, 0, 0);
-    // Both numbers are at most `end`. If they are out of order, their difference wraps around to
-    // more than `end`.
+    // Both are at most `end`. Out of order, their difference wraps around to more than `end`.
     let mut take = |start: u32, end: u32| {
         let length = end.wrapping_sub(start);
         shortest = shortest.min(length);
@@ -499,7 +494,6 @@ fn first_bad_run(starts: &[u32_le], end: usize, min_length: u32) -> (usize, u32,
     (run, start, end)
 }
 
-/// A hull's run of a section.
 #[expect(
     clippy::indexing_slicing,
     reason = "`structure` has checked that runs ascend and end where their sections end"

@@ -4,13 +4,11 @@
 //! command line, `hullmap.toml` and reports use its names.
 //!
 //! # How to add a kind
-//! 1. Here: the variant, its line in [`IndexKind::NAMED`], its name, its code, its roots and
-//!    branches.
+//! 1. Here: the variant, its line in [`IndexKind::NAMED`], name, code, roots and branches.
 //! 2. `hullmap-bake`, `index/mod.rs`: how it is built.
 //! 3. `hullmap`, `support/index.rs`: how a direction finds its leaf.
-//! 4. `hullmap-cli`, `options/`: its name on the command line, and its text in a pack's record.
-//! 5. `docs/contributors/FORMAT.md`, and the test `format_document`, which implements that document
-//!    independently.
+//! 4. `hullmap-cli`, `options/`: its name, and its text in a pack's record.
+//! 5. `docs/contributors/FORMAT.md`, and the test `format_document`, which implements it independently.
 //!
 //! Matches have no wildcard, so the compiler reports each location of steps 1 to 4.
 
@@ -23,6 +21,7 @@ use crate::{
 
 /// Which direction index a hull has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum IndexKind {
     /// Level-compressed tree over the six cube faces, with leaves of 8 candidates: the fastest.
     #[default]
@@ -34,15 +33,11 @@ pub enum IndexKind {
     /// Binary tree over the six cube faces, as in Kenwright 4.9.
     Binary,
     /// Uniform cube map with `resolution`² cells on each face, as in Kenwright 4.8.
-    CubeMap {
-        /// Cells along the edge of a face, at least 1.
-        resolution: u32,
-    },
+    CubeMap { resolution: u32 },
     /// No index: every query scans all vertices.
     None,
 }
 
-/// Code of each kind in [`HullRecord::index_kind`](crate::archive::HullRecord::index_kind).
 mod code {
     pub const SCAN: u32 = 0;
     pub const CUBE_MAP: u32 = 1;
@@ -54,8 +49,7 @@ impl IndexKind {
     /// Resolution of a cube map if no resolution is given.
     pub const DEFAULT_RESOLUTION: u32 = 64;
 
-    /// Every kind, in the order in which messages list them; the cube map at its default
-    /// resolution.
+    /// Every kind, in the order of messages; the cube map at its default resolution.
     pub const NAMED: [Self; 6] = [
         Self::Tree,
         Self::Medium,
@@ -78,8 +72,7 @@ impl IndexKind {
     }
 
     /// Code of the kind in [`HullRecord::index_kind`](crate::archive::HullRecord::index_kind).
-    ///
-    /// The three trees share one code; [`leaf_blocks`](Self::leaf_blocks) distinguishes them.
+    /// Trees share one; [`leaf_blocks`](Self::leaf_blocks) distinguishes them.
     pub const fn code(self) -> u32 {
         match self {
             Self::Tree | Self::Medium | Self::Compact => code::TREE,
@@ -111,7 +104,7 @@ impl IndexKind {
         }
     }
 
-    /// The same kind, with this resolution if it is a cube map.
+    /// This kind, with this resolution if it is a cube map.
     #[must_use]
     pub const fn with_resolution(self, resolution: u32) -> Self {
         match self {
@@ -179,30 +172,20 @@ impl IndexKind {
 
 /// Why a hull's record does not state an index kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum RecordedKindError {
     /// The code is not known.
     #[error("index kind {found} is unknown (known kinds are 0 to {})", code::TREE)]
-    Code {
-        /// Code in the record.
-        found: u32,
-    },
+    Code { found: u32 },
     /// A cube map without cells, or another kind with a resolution.
     #[error(
         "index kind {code} has resolution {found} (a cube map, kind {}, requires at least 1; all other kinds require 0)",
         code::CUBE_MAP
     )]
-    Resolution {
-        /// Code in the record.
-        code: u32,
-        /// Resolution in the record.
-        found: u32,
-    },
+    Resolution { code: u32, found: u32 },
     /// No index kind has this number of blocks per leaf.
     #[error("a leaf of its index has {found} blocks (expected 1, 2 or 4)")]
-    LeafBlocks {
-        /// Blocks of a leaf in the record.
-        found: u32,
-    },
+    LeafBlocks { found: u32 },
 }
 
 /// The name, and for a cube map its resolution: `tree`, `cubemap 64`. [`FromStr`] reads it back.

@@ -1,8 +1,7 @@
 //! Mass of a mesh: whether recorded numbers can be the mass properties of a solid.
 //!
-//! The second moments of a solid are a positive semidefinite matrix M. Its inertia tensor is
-//! tr(M) − M, whose principal moments then are positive and satisfy the triangle inequality. So one
-//! condition on M is enough for both.
+//! The second moments of a solid are a positive semidefinite matrix M. Its inertia tensor is tr(M)
+//! − M, whose principal moments then are positive and satisfy the triangle inequality.
 
 use rkyv::rend::f64_le;
 
@@ -18,23 +17,18 @@ const CENTRE_ROOM: f64 = 1e-6;
 
 /// Why numbers are not the mass properties of a solid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum MassError {
     /// The volume is not positive and finite.
     #[error("the volume of its mesh is {found} (expected a finite number above 0)")]
-    Volume {
-        /// The volume.
-        found: f64,
-    },
+    Volume { found: f64 },
     /// The centre of mass is outside the hulls, or not finite.
     #[error("coordinate {axis} of its mesh's centre of mass is {found} (its hulls extend from {low} to {high})")]
     Centre {
-        /// 0, 1 or 2.
         axis: usize,
-        /// The coordinate.
         found: f64,
         /// Lower bound, with room for what the hulls leave uncovered.
         low: f64,
-        /// Upper bound.
         high: f64,
     },
     /// No solid has these second moments.
@@ -56,21 +50,11 @@ impl From<&ArchivedMassRecord> for MassRecord {
 }
 
 /// Checks that a record may be the mass of a mesh whose hulls have the bounds `low` and `high`, and
-/// leave at most the distance `uncovered` of its surface outside.
-///
-/// Both the baker, before it writes a record, and the reader use this check.
+/// leave at most the distance `uncovered` of its surface outside. The baker and the reader use this
+/// check.
 ///
 /// # Errors
 /// The volume is not positive, the centre is outside the bounds, or no solid has the moments.
-///
-/// ```
-/// use hullmap_format::{archive::MassRecord, mass};
-///
-/// let third = 1.0 / 3.0;
-/// let cube = MassRecord { volume: 8.0, centroid: [0.0; 3], second_moments: [third, third, third, 0.0, 0.0, 0.0] };
-/// assert_eq!(mass::check(&cube, [-1.0; 3], [1.0; 3], 0.0), Ok(()));
-/// assert!(mass::check(&cube, [1.0; 3], [2.0; 3], 0.0).is_err());
-/// ```
 pub fn check(record: &MassRecord, low: [f32; 3], high: [f32; 3], uncovered: f64) -> Result<(), MassError> {
     let found = record.volume;
     // NaN takes the failing branch here and below.
@@ -90,8 +74,7 @@ pub fn check(record: &MassRecord, low: [f32; 3], high: [f32; 3], uncovered: f64)
     if is_positive_semidefinite(found) { Ok(()) } else { Err(MassError::Moments { found }) }
 }
 
-/// Whether a symmetric matrix has no negative eigenvalue, up to [`MOMENT_ROUNDING`]: whether the
-/// pivots of its Cholesky decomposition are positive once the rounding error is added.
+/// Uses a Cholesky decomposition, whose pivots are positive once [`MOMENT_ROUNDING`] is added.
 fn is_positive_semidefinite(moments: [f64; 6]) -> bool {
     let [xx, yy, zz, ..] = moments;
     let trace = xx + yy + zz;

@@ -1,8 +1,7 @@
 //! Nodes of a direction index, decoded from its words.
 //!
-//! A [`Slot`] refers to a [`Node`]. A node gives the positions of its numbers and slots;
-//! [`crate::slot`] describes their meaning. [`crate::walk`] visits and checks all nodes of an
-//! index, and [`crate::descent`] follows a direction through them.
+//! [`crate::slot`] describes the meaning of a node's numbers and slots. [`crate::walk`] visits and
+//! checks all nodes of an index, and [`crate::descent`] follows a direction through them.
 
 use std::ops::Range;
 
@@ -55,14 +54,12 @@ pub trait Words {
         decode_f64(self.word(at), self.word(at + 1))
     }
 
-    /// The f64 of index `index` at the front of the node at `at`. [`fan`] names the indices in a
-    /// fan.
+    /// The f64 of index `index` at the front of the node at `at`; [`fan`] names these in a fan.
     fn node_number(&self, at: usize, index: usize) -> f64 {
         self.number(at + F64_WORDS as usize * index)
     }
 
-    /// The vector whose coordinates are the f64 values from index `index` on at the front of the
-    /// node at `at`.
+    /// The vector of three f64 from index `index` on at the front of the node at `at`.
     fn node_vector(&self, at: usize, index: usize) -> [f64; 3] {
         [0, 1, 2].map(|axis| self.node_number(at, index + axis))
     }
@@ -103,22 +100,6 @@ pub enum Branches {
 }
 
 /// A node of a direction index. `at` is the index of its first word in the hull's run.
-///
-/// ```
-/// use hullmap_format::{
-///     node::{Branches, Node, Words},
-///     slot::{Branch, Slot},
-/// };
-///
-/// // One root: a branch into four squares, all with the leaf that starts at block 0.
-/// let root = Slot::Branch(Branch { at: 1, bits: 1 }.encode());
-/// let leaf = Slot::Block(0).encode();
-/// let words = [root.encode(), leaf, leaf, leaf, leaf];
-/// let node = Node::below(root, Branches::Squares, &words[..]);
-/// assert_eq!(node, Some(Node::Squares { at: 1, bits: 1 }));
-/// let slots = node.into_iter().flat_map(Node::slots).map(|at| Slot::decode(words[..].word(at)));
-/// assert_eq!(slots.filter(|slot| *slot == Slot::Block(0)).count(), 4);
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "`at` and `bits` are explained above")]
 pub enum Node {

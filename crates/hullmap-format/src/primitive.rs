@@ -12,56 +12,26 @@ const UNIT: f64 = 1e-9;
 
 /// Why a record of a primitive is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum PrimitiveError {
     /// The hull was not measured, or has a record already.
     #[error("record {record}: its hull is {found} (expected a part that was measured, from hull {least} on)")]
-    Hull {
-        /// The record.
-        record: usize,
-        /// The hull.
-        found: u32,
-        /// The first hull without an earlier record.
-        least: u32,
-    },
+    Hull { record: usize, found: u32, least: u32 },
     /// The kind is unknown.
     #[error("record {record}: its kind is {found} (expected 1 to 4)")]
-    Kind {
-        /// The record.
-        record: usize,
-        /// The kind.
-        found: u32,
-    },
+    Kind { record: usize, found: u32 },
     /// A size is not positive, or one that the kind does not have is not 0.
     #[error("record {record}: its sizes are {found:?} (expected {count} positive numbers, then zeros)")]
-    Sizes {
-        /// The record.
-        record: usize,
-        /// The sizes.
-        found: [f64; 3],
-        /// Number of sizes that the kind has.
-        count: usize,
-    },
+    Sizes { record: usize, found: [f64; 3], count: usize },
     /// The rotation is not a unit quaternion, or the centre or the protrusion is not finite.
     #[error(
         "record {record}: its centre is {center:?}, its rotation {rotation:?} and its protrusion {protrusion} (expected \
          finite numbers, a unit quaternion, and 0 or more)"
     )]
-    Frame {
-        /// The record.
-        record: usize,
-        /// The centre.
-        center: [f64; 3],
-        /// The rotation.
-        rotation: [f64; 4],
-        /// The protrusion.
-        protrusion: f64,
-    },
+    Frame { record: usize, center: [f64; 3], rotation: [f64; 4], protrusion: f64 },
 }
 
-/// The record of hull `hull`.
-///
-/// # Complexity
-/// O(log n) for n records.
+/// The record of hull `hull`, in O(log n) for n records.
 pub fn of_hull(records: &[ArchivedPrimitiveRecord], hull: u32) -> Option<&ArchivedPrimitiveRecord> {
     let index = records.binary_search_by_key(&hull, |record| record.hull.to_native()).ok()?;
     records.get(index)

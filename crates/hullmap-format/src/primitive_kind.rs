@@ -3,14 +3,6 @@
 use std::fmt;
 
 /// The shape of a primitive.
-///
-/// # Examples
-/// ```
-/// use hullmap_format::PrimitiveKind;
-///
-/// assert_eq!(PrimitiveKind::Capsule.to_string(), "capsule");
-/// assert_eq!(PrimitiveKind::from_code(PrimitiveKind::Box.code()), Some(PrimitiveKind::Box));
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PrimitiveKind {
     /// A cuboid, with three half extents.

@@ -1,13 +1,11 @@
 //! Four corners that stand for a face with more than four corners, and how steeply the surface
 //! falls away from a face.
 //!
-//! A contact manifold has at most four points. If the four corners of a face that span the largest
-//! area lie inside the face of the other shape, no other four corners support the body better. So
-//! they are chosen once, by the bake.
+//! A contact manifold has at most four points. If the four corners of the largest area lie inside
+//! the other shape's face, no others support the body better. So the bake chooses them once.
 //!
-//! Whether a face is a contact surface of its own depends on the edges that leave it. If all of
-//! them fall away steeply, the support point in every direction close to the face's normal is a
-//! corner of the face, and no query is needed to find out.
+//! A face is a contact surface of its own by the edges that leave it. If all fall away steeply, the
+//! support point close to the face's normal is a corner of the face, without a query.
 //!
 //! Every operation is rounded once by IEEE 754, so that results are the same everywhere.
 
@@ -15,31 +13,25 @@
 pub const STEEPEST: f32 = 1.0;
 
 /// Twice the vector area of a polygon: its direction is the normal, its length twice the area.
-///
-/// # Complexity
-/// O(number of corners).
 #[expect(clippy::indexing_slicing, reason = "`windows` returns slices of two")]
 pub fn double_area(corners: &[[f64; 3]]) -> [f64; 3] {
     let Some((origin, rest)) = corners.split_first() else { return [0.0; 3] };
     rest.windows(2).fold([0.0; 3], |sum, pair| add(sum, cross(subtract(pair[0], *origin), subtract(pair[1], *origin))))
 }
 
-/// Twice the vector area of the quadrilateral a b c d, in order: the cross product of its
-/// diagonals.
+/// Twice the vector area of the quadrilateral a b c d: the cross product of its diagonals.
 pub fn double_quad_area([a, b, c, d]: [[f64; 3]; 4]) -> [f64; 3] {
     cross(subtract(c, a), subtract(d, b))
 }
 
 /// The fall of each face with more than four corners, rounded down, from 0 to 1; [`STEEPEST`] for
-/// the other faces.
+/// the others: the least fall of the edges that leave it next to one of its own, around their
+/// common vertex. The fall of an edge from v to w is the sine of its descent from the plane of the
+/// face: (v − w) · n / |v − w|, with the unit normal n.
 ///
-/// The fall of a face is the least fall of the edges that leave it and are next to one of its own,
-/// around the vertex that they share. The fall of an edge from v to w is the sine of the angle by
-/// which it descends from the plane of the face: (v − w) · n / |v − w|, with the unit normal n.
-///
-/// `faces` are the faces of a solid, as indices of `positions`, counter-clockwise seen from
-/// outside. `left_of` returns the face in which the second vertex follows the first. Indices that
-/// are out of range are skipped.
+/// `faces` are a solid's faces, as indices of `positions`, counter-clockwise seen from outside.
+/// `left_of` returns the face in which the second vertex follows the first. Indices out of range
+/// are skipped.
 ///
 /// # Source
 /// Let s be the fall of a face. In each direction at an angle below asin s from its normal, the
@@ -112,7 +104,6 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// The faces of a frustum with n sides, which descend at 45 degrees from a top of radius 1.
     fn frustum(n: u32) -> (Vec<[f64; 3]>, Vec<Vec<u32>>) {
         let ring = |radius: f64, z: f64| {
             (0..n).map(move |i| {

@@ -1,9 +1,8 @@
 //! Checks that redundant values of a file agree: blocks repeat the positions of their vertices,
 //! edges are the directions between vertices, and quads follow from their faces.
 //!
-//! Queries are safe without this check. If it fails, answers are finite and in range, but wrong. A
-//! file with a correct checksum can contain many other wrong values. `bake verify` finds all of
-//! them.
+//! Queries are safe without this check: answers are finite and in range, but wrong. `bake verify`
+//! finds the many other wrong values that a correct checksum allows.
 
 use rkyv::rend::{f32_le, i16_le, u32_le};
 
@@ -14,14 +13,12 @@ use crate::{
     sections::Sections,
 };
 
-/// Compares the redundant values of an archive.
+/// Compares the redundant values of an archive: one square root per edge, one random read per lane.
+/// One bit of memory per vertex.
 ///
 /// # Errors
 /// The first lane, edge or quad that contradicts its vertices. In an archive that has not passed
 /// [`contents`](crate::check::contents), also a run or an index that is out of range.
-///
-/// # Complexity
-/// O(archive): one square root per edge, one random read per lane. One bit of memory per vertex.
 pub fn repeats(pack: &Sections<'_>) -> Result<(), CheckError> {
     for (hull, (start, end)) in pack.spans.iter().zip(pack.spans.iter().skip(1)).enumerate() {
         let checked = blocks_agree(pack, start, end)
@@ -32,7 +29,6 @@ pub fn repeats(pack: &Sections<'_>) -> Result<(), CheckError> {
     Ok(())
 }
 
-/// A hull's run of a section, if it is in range.
 fn run<'a, T>(name: &'static str, section: &'a [T], start: u32_le, end: u32_le) -> Result<&'a [T], HullError> {
     let found = section.get(start.to_native() as usize..end.to_native() as usize);
     found.ok_or(HullError::OutOfRange { section: name })
@@ -142,7 +138,6 @@ fn quads_agree(pack: &Sections<'_>, start: &ArchivedSpan, end: &ArchivedSpan) ->
     Ok(())
 }
 
-/// The elements of run `index`, which end where the next run starts.
 fn range(starts: &[u32_le], index: usize, count: usize) -> std::ops::Range<usize> {
     let at = |index: usize| starts.get(index).map_or(count, |start| start.to_native() as usize);
     at(index)..at(index.saturating_add(1))

@@ -1,7 +1,5 @@
-//! A scale of 16 bits: coordinates between two bounds, by numbers from 0 to 65535.
-//!
-//! Trees of boxes store such numbers. A box that is rounded outwards to the scale contains what the
-//! exact box contains.
+//! A scale of 16 bits: coordinates between two bounds, by numbers from 0 to 65535. A box of a tree
+//! that is rounded outwards to it contains the exact box.
 
 /// Positions between a lower and an upper bound.
 ///

@@ -1,21 +1,13 @@
 //! The sections of a pack as slices. Only this file turns the root's numbers into addresses, once.
 //!
-//! The root is the last structure of the payload. It holds, for each section, an offset relative to
-//! the offset's own position, and an element count. [`Sections::read`] copies the root, checks each
-//! pair, and cuts the payload into slices. No other number in the file is used as an address: the
-//! rest are values, and indices that are looked up in slices.
-//!
-//! The order of sections and their alignment fix every offset, given the counts. So an offset is
-//! not merely in range: it equals the only offset that this version writes.
-//!
-//! If the root does not follow the sections that every pack has, further sections do. Their entries
-//! are in front of the root.
+//! [`Sections::read`] copies the root, checks each offset and count, and cuts the payload into
+//! slices. All other numbers are values, or indices that are looked up in slices. Further sections,
+//! if any, follow those of every pack, with entries in front of the root.
 //!
 //! # Deviations
-//! `rkyv::access` would check the same offsets, but it hands out the root itself, whose accessors
-//! follow the offsets in the file again at each call. A file that is mapped and rewritten after the
-//! check would then move the slices out of the mapping. It also rejects extended packs, whose
-//! further sections follow the sections of the root after them. The tests compare both.
+//! `rkyv::access` would check the same offsets, but its accessors follow those in the file again at
+//! each call: a mapped file that is rewritten would move the slices out of the mapping. It also
+//! rejects extended packs. The tests compare both.
 
 use std::mem::offset_of;
 
@@ -66,7 +58,6 @@ pub struct Sections<'a> {
     pub primitives: &'a [ArchivedPrimitiveRecord],
 }
 
-/// Position of a section's entry in the extended root.
 macro_rules! field {
     ($section:ident) => {
         offset_of!(ArchivedExtendedPack, pack) + offset_of!(ArchivedPack, $section)
@@ -74,17 +65,12 @@ macro_rules! field {
 }
 
 impl<'a> Sections<'a> {
-    /// Cuts `payload`, all bytes after the header, into its sections.
-    ///
-    /// `payload` must start on a multiple of [`PAYLOAD_ALIGNMENT`] bytes in memory. Nothing but the
-    /// root is read.
+    /// Cuts `payload`, all bytes after the header, into its sections, in O(1). `payload` must start
+    /// on a multiple of [`PAYLOAD_ALIGNMENT`] bytes in memory. Nothing but the root is read.
     ///
     /// # Errors
     /// The payload is misaligned or shorter than the root. A section does not start where the
     /// section before it ends, or ends after the payload. Bytes are left over.
-    ///
-    /// # Complexity
-    /// O(1).
     pub fn read(payload: &'a [u8]) -> Result<Self, CheckError> {
         let mut cutter = Cutter::<EXTENDED_ROOT_LEN>::new(payload, ROOT_LEN)?;
         let mut sections = Self {
@@ -132,8 +118,7 @@ impl<'a> Sections<'a> {
     }
 
     /// Whether this is a lean pack: one without neighbours, quads and edges, and without the faces
-    /// of hulls of more than [`LEAN_FACES`](crate::archive::LEAN_FACES) vertices. Every other pack
-    /// has a start of neighbours for each vertex.
+    /// of hulls of more than [`LEAN_FACES`](crate::archive::LEAN_FACES) vertices.
     pub fn is_lean(&self) -> bool {
         self.neighbour_starts.is_empty()
     }
@@ -195,7 +180,6 @@ mod tests {
         payload
     }
 
-    /// The sample with records of voids.
     fn extended_sample() -> AlignedVec<PAYLOAD_ALIGNMENT> {
         let record = |hull: u32| VoidsRecord { hull, share: 0.25, error: 0.5 };
         let extended = ExtendedPack {

@@ -24,12 +24,10 @@
 //!
 //! A fan takes 17 words and 2ᵇ slots: equal steps around an axis, see [`crate::fan`].
 //!
-//! Normals are f64 for this reason: the planes around a facet separate its corners, and all pass
-//! through one direction, the facet's normal. Rounded to f32, they would miss it by 6e-8, and would
-//! separate nothing near it.
+//! Normals are f64: the planes around a facet separate its corners, and all pass through the
+//! facet's normal. Rounded to f32, they would miss it by 6e-8, and separate nothing near it.
 //!
-//! A *position* is the index of a word in the hull's own run of words. Blocks are counted in the
-//! hull's own run too.
+//! *Positions*, indices of words, and blocks are counted in the hull's own runs.
 //!
 //! A tree starts with the slots of the six faces. A cube map starts with the slots of all its
 //! cells, which are leaves. A hull without an index has no words. The nodes follow without gaps,

@@ -3,15 +3,6 @@
 use std::fmt;
 
 /// How the solid bounded by a mesh was determined. A part's protrusion is measured from it.
-///
-/// # Examples
-/// ```
-/// use hullmap_format::SolidKind;
-///
-/// assert_eq!(SolidKind::Watertight.to_string(), "watertight");
-/// assert_eq!(SolidKind::from_code(SolidKind::Sheet.code()), Some(SolidKind::Sheet));
-/// assert_eq!(SolidKind::from_code(0), None, "unmeasured");
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SolidKind {
     /// Bounded by the triangles of the mesh: where their winding number is not 0.

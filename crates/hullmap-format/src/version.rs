@@ -1,8 +1,6 @@
-//! Versions of the format. Any change to the bytes or to their meaning gets a new one.
-//! `docs/contributors/FORMAT.md` lists the history.
-//!
-//! There are four at a time. So a pack keeps its bytes, and older programs can read it, unless it
-//! has data that they cannot read.
+//! Versions of the format. Any change to the bytes or to their meaning gets a new one, listed in
+//! `docs/contributors/FORMAT.md`. There are four at a time, so that older programs can read a pack unless it has
+//! data that they cannot read.
 //!
 //! | | lean | |
 //! |---|---|---|
@@ -25,7 +23,7 @@ pub const LEAN_EXTENDED_FORMAT_VERSION: u32 = 10;
 /// The versions of packs that this crate reads, ascending.
 pub const ALL: [u32; 4] = [FORMAT_VERSION, LEAN_FORMAT_VERSION, EXTENDED_FORMAT_VERSION, LEAN_EXTENDED_FORMAT_VERSION];
 
-/// What the version of a pack states about its sections.
+/// The sections that the version of a pack states.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Layout {
     /// Whether it is lean.

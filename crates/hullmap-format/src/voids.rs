@@ -4,43 +4,26 @@ use crate::archive::{ArchivedHullRecord, ArchivedSpan, ArchivedVoidsRecord};
 
 /// Why a record of voids is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum VoidsError {
     /// The hull is not the first part of an object, or has a record already.
     #[error(
         "record {record}: its hull is {found} (expected the first part of an object whose mass is recorded, from hull {least} on)"
     )]
-    Hull {
-        /// The record.
-        record: usize,
-        /// The hull.
-        found: u32,
-        /// The first hull without an earlier record.
-        least: u32,
-    },
+    Hull { record: usize, found: u32, least: u32 },
     /// The share, or its error, is not between 0 and 1.
     #[error(
         "record {record}: its share of the solid is {share} with an error of {error} (expected numbers from 0 to 1)"
     )]
-    Share {
-        /// The record.
-        record: usize,
-        /// The share.
-        share: f32,
-        /// Its error.
-        error: f32,
-    },
+    Share { record: usize, share: f32, error: f32 },
 }
 
-/// The record of the object whose first part is hull `first`.
-///
-/// # Complexity
-/// O(log n) for n records.
+/// The record of the object whose first part is hull `first`, in O(log n) for n records.
 pub fn of_object(records: &[ArchivedVoidsRecord], first: u32) -> Option<&ArchivedVoidsRecord> {
     let index = records.binary_search_by_key(&first, |record| record.hull.to_native()).ok()?;
     records.get(index)
 }
 
-/// Checks the records of voids of an archive whose spans have been checked.
 pub(crate) fn check(
     records: &[ArchivedVoidsRecord],
     hulls: &[ArchivedHullRecord],

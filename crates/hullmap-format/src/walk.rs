@@ -1,9 +1,8 @@
 //! One breadth-first pass over a direction index. It checks that the index is well formed, and
 //! finds the worst cost of a query.
 //!
-//! [`SlotWalk`] is an iterator over all slots of an index. It checks each slot before it returns
-//! it, so that its consumer can rely on the slot. [`walk`] runs the iterator to its end and returns
-//! the worst cost of a query.
+//! [`SlotWalk`] is an iterator over all slots, and checks each before it returns it. [`walk`] runs
+//! it to its end.
 //!
 //! The nodes of an index are stored breadth first, without gaps ([`crate::slot`]). So the pass
 //! needs no recursion: it reads the words from the front. Each slot that refers to a node must
@@ -57,84 +56,38 @@ impl Shape {
 
 /// Why words are not a direction index.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum IndexError {
     /// The words end before the last root, or inside a node.
     #[error("the direction index ends at word {at}, inside a node")]
-    Short {
-        /// Number of words.
-        at: usize,
-    },
+    Short { at: usize },
     /// Words are left over.
     #[error("no slot of the direction index refers to word {at} or to any word after it")]
-    Unused {
-        /// First unused word.
-        at: usize,
-    },
+    Unused { at: usize },
     /// A slot refers to a word that is not the next free one.
     #[error("slot {slot} of the direction index refers to word {found} (expected {expected}, the next free word)")]
-    Order {
-        /// Word of the slot.
-        slot: usize,
-        /// Word that it refers to.
-        found: usize,
-        /// Next free word.
-        expected: usize,
-    },
+    Order { slot: usize, found: usize, expected: usize },
     /// A leaf without blocks, or with blocks out of range.
     #[error(
         "slot {slot} of the direction index refers to {count} blocks from block {first} on (the hull has {block_count})"
     )]
-    Blocks {
-        /// Word of the slot.
-        slot: usize,
-        /// First block that it refers to.
-        first: u32,
-        /// Number of blocks that it refers to.
-        count: u32,
-        /// Blocks of the hull.
-        block_count: u32,
-    },
+    Blocks { slot: usize, first: u32, count: u32, block_count: u32 },
     /// A path is longer than [`MAX_NODES`].
     #[error("slot {slot} of the direction index is below more than {MAX_NODES} nodes")]
-    Deep {
-        /// Word of the slot.
-        slot: usize,
-    },
+    Deep { slot: usize },
     /// A coordinate of a plane's normal, or a number before a fan's slots, is not finite.
     #[error("number {number} of the node at word {at} of the direction index is {found}, which is not finite")]
-    NotFinite {
-        /// First word of the node.
-        at: usize,
-        /// Index of the number in the node.
-        number: usize,
-        /// The number.
-        found: f64,
-    },
+    NotFinite { at: usize, number: usize, found: f64 },
     /// A word is not the encoding of any slot.
     #[error("slot {slot} of the direction index has an unknown tag (word {found:#010x})")]
-    Unknown {
-        /// Word of the slot.
-        slot: usize,
-        /// The word itself.
-        found: u32,
-    },
+    Unknown { slot: usize, found: u32 },
     /// A branch or a fan has too many slots, or a fan has only one.
     #[error("slot {slot} of the direction index refers to a node of 2^{found} slots (expected 2^1 to 2^{max})")]
-    Bits {
-        /// Word of the slot.
-        slot: usize,
-        /// Bits of the node.
-        found: u32,
-        /// Maximum for a node of its kind.
-        max: u32,
-    },
+    Bits { slot: usize, found: u32, max: u32 },
     /// A branch is below planes or a fan, is finer than the grid, or is in a cube map; or planes or
     /// a fan are in a cube map.
     #[error("slot {slot} of the direction index refers to a node of a kind that is not allowed there")]
-    Misplaced {
-        /// Word of the slot.
-        slot: usize,
-    },
+    Misplaced { slot: usize },
 }
 
 /// A slot of an index that has passed all checks so far.
@@ -144,20 +97,16 @@ pub struct Visit {
     pub at: usize,
     /// Number of nodes on the path to it.
     pub depth: u32,
-    /// What is below the slot.
+    /// The node or leaf below the slot.
     pub below: Below,
 }
 
 /// Node or leaf below a slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum Below {
     /// A leaf, plain or list: its blocks.
-    Leaf {
-        /// First block.
-        first: u32,
-        /// Number of blocks.
-        count: u32,
-    },
+    Leaf { first: u32, count: u32 },
     /// Any other node. Its own slots follow later.
     Node(Node),
 }

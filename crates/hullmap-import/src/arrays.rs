@@ -26,19 +26,6 @@ pub struct MeshArrays {
 /// [`Split::Object`](crate::Split::Object), each mesh becomes a point set of its own. Positions are
 /// rounded to `f32` once, after they have been rotated, scaled and recentred.
 ///
-/// ```
-/// use hullmap_import::{ImportOptions, Limits, MeshArrays, Polygons, import_arrays};
-///
-/// let mut faces = Polygons::default();
-/// faces.push(&[0, 1, 2]);
-/// let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [9.0, 9.0, 9.0]];
-/// let mesh = MeshArrays { positions, faces, ..MeshArrays::default() };
-/// let imported = import_arrays("a", vec![mesh], &ImportOptions::DEFAULT, &Limits::DEFAULT)?;
-/// assert_eq!(imported.point_sets[0].name, "a");
-/// assert_eq!(imported.point_sets[0].source_vertices, [0, 1, 2]);
-/// # Ok::<(), hullmap_import::ImportError>(())
-/// ```
-///
 /// # Errors
 /// A position is not finite, a face references no vertex, or there are no or too many points.
 ///
@@ -54,7 +41,6 @@ pub fn import_arrays(
     imported(name, name, mesh, options, limits)
 }
 
-/// One source mesh with an object for each of `meshes`.
 fn join(meshes: Vec<MeshArrays>, limits: &Limits) -> Result<SourceMesh, Fault> {
     let mut joined = SourceMesh::new(Positions::Double(Vec::new()), Polygons::default());
     joined.objects.clear();
@@ -93,7 +79,6 @@ fn join(meshes: Vec<MeshArrays>, limits: &Limits) -> Result<SourceMesh, Fault> {
     Ok(joined)
 }
 
-/// Checks a mesh as the readers of files do.
 fn check(mesh: &MeshArrays) -> Result<(), Fault> {
     let vertex_count = mesh.positions.len();
     let not_finite = |position: &[f64; 3]| !position.iter().all(|x| x.is_finite());

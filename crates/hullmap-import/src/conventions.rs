@@ -8,14 +8,12 @@
 //! | Godot | `<name>-colonly`, `<name>-col` | a part, with a warning: Godot uses the triangles |
 //! | CoACD, V-HACD | `convex_<n>` for every object | a part each |
 //!
-//! A part stands for the object `<mesh>` or `<name>`, if the file has it; `-convcol` and `-col` are
-//! rendered themselves, and stand for themselves.
+//! A part stands for the object `<mesh>` or `<name>` in the file; `-convcol` and `-col` are
+//! rendered, and stand for themselves. Other objects are render meshes and are left out. A file
+//! without these names is not split.
 //!
-//! Other objects are render meshes and are left out. A file without these names is not split.
-//!
-//! Godot accepts `-`, `_` or `$` before its suffixes and ignores their case. It ignores digits,
-//! blanks, `_` and `.` behind them, since modelling tools number copies. Unreal's prefixes are
-//! upper case.
+//! Godot accepts `-`, `_` or `$` before its suffixes, ignores their case, and digits, blanks, `_`
+//! and `.` behind them, since modelling tools number copies. Unreal's prefixes are upper case.
 //!
 //! # Reference
 //! Unreal Engine, "FBX Static Mesh Pipeline"; Godot Engine, "Node type customization using name
@@ -25,7 +23,6 @@ use std::collections::HashMap;
 
 use crate::fault::excerpt;
 
-/// Convention that a collision part's name follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PartName {
     /// Unreal's `UCX_`: convex.
@@ -38,20 +35,17 @@ enum PartName {
     GodotTriangles,
 }
 
-/// Collision parts among the objects of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selection {
     /// For each name whether it is the name of a part.
     pub is_part: Vec<bool>,
     /// For each name of a part the index of the object that it stands for, if there is one.
     pub stands_for: Vec<Option<usize>>,
-    /// Conventions that were recognised, a sentence each.
     pub notes: Vec<String>,
     /// Warnings about names with another meaning elsewhere, a sentence each.
     pub warnings: Vec<String>,
 }
 
-/// Selects the collision parts among objects with these names. Returns `None` if there are none.
 pub fn select(names: &[&str]) -> Option<Selection> {
     if !names.is_empty() && names.iter().all(|name| is_convex_n(name)) {
         let notes = vec![format!("parts of a convex decomposition (convex_<n>), one hull each: {}", names.len())];
@@ -122,7 +116,6 @@ fn mesh_names(name: &str, part: PartName) -> Vec<&str> {
     }
 }
 
-/// Whether Godot also renders an object with the name of a part.
 fn is_rendered(name: &str) -> bool {
     let bare = without_number(name).to_lowercase();
     ["convcol", "col"]

@@ -4,13 +4,10 @@ use std::str::FromStr;
 
 use crate::fault::{Fault, excerpt};
 
-/// A floating-point type of coordinates.
 pub trait Coordinate: FromStr + Copy + PartialEq + Send {
     /// Positive zero.
     const ZERO: Self;
-    /// Whether the value is neither infinite nor NaN.
     fn is_finite(self) -> bool;
-    /// Whether the value is NaN.
     fn is_nan(self) -> bool;
 }
 
@@ -34,8 +31,7 @@ impl Coordinate for f64 {
     }
 }
 
-/// Parses a coordinate and rounds it to the nearest `T`. Fails if the word is not a number, is NaN
-/// or infinite, or is too large for `T`.
+/// Rounds to the nearest `T`. Fails for NaN, infinity, and numbers too large for `T`.
 pub fn parse_coordinate<T: Coordinate>(word: &str) -> Result<T, Fault> {
     let text = || excerpt(word);
     match word.parse::<T>() {

@@ -1,13 +1,11 @@
 //! Ear clipping: triangulation of polygons, convex or not.
 //!
-//! 1. Project the polygon along the axis that gives the largest projection. This changes no
-//!    coordinate.
+//! 1. Project the polygon along the axis with the largest projection, without rounding.
 //! 2. A convex polygon becomes a fan from its first corner.
-//! 3. Otherwise clip an ear: a corner whose triangle contains no reflex or straight corner.
-//!    Continue two corners further. The reflex and straight corners (the obstacles) are stored in a
-//!    k-d tree.
-//! 4. If no ear exists, for instance because the outline crosses itself, the rest becomes a fan.
-//!    Its signed area is correct, but its triangles overlap.
+//! 3. Otherwise clip an ear: a corner whose triangle contains no obstacle, which is a reflex or
+//!    straight corner, stored in a k-d tree. Continue two corners further.
+//! 4. If no ear exists, for instance because the outline crosses itself, the rest becomes a fan,
+//!    whose signed area is correct, but whose triangles overlap.
 //!
 //! Orientation tests are exact, so distant and thin polygons need no special care.
 //!
@@ -19,15 +17,13 @@ use std::ops::Range;
 
 use robust::{Coord, orient2d};
 
-/// Maximum number of obstacle tests, as a multiple of the number of corners. Then the rest of the
-/// polygon becomes a fan. This bounds the time to some microseconds per corner. Only
-/// self-intersecting polygons come near the limit.
+/// Maximum number of obstacle tests per corner, some microseconds; then the rest becomes a fan.
+/// Only self-intersecting polygons come near it.
 const TESTS_A_CORNER: usize = 1024;
 
-/// Appends the triangles of a polygon to `out`: two fewer than its corners, with its winding. A
-/// polygon of fewer than three corners has no triangles. Complexity: O(corners) for convex
-/// polygons. Otherwise O(obstacles · log obstacles) for the tree, and at most [`TESTS_A_CORNER`]
-/// tests per corner.
+/// Appends the triangles of a polygon: two fewer than its corners, with its winding. Complexity:
+/// O(corners) for convex polygons. Otherwise O(obstacles · log obstacles) for the tree, and at most
+/// [`TESTS_A_CORNER`] tests per corner.
 #[expect(clippy::indexing_slicing, reason = "indices modulo the number of corners, and `flat` is as long as `corners`")]
 pub fn triangulate(corners: &[u32], points: &[[f32; 3]], out: &mut Vec<[u32; 3]>) {
     if let [a, b, c] = *corners {
@@ -125,7 +121,6 @@ impl<'a> Outline<'a> {
         fan(rest.map(|corner| corners[corner]), out);
     }
 
-    /// Whether a corner is an ear: its triangle lies inside the outline and contains no obstacle.
     fn is_ear(&mut self, corner: usize) -> bool {
         self.tests_left = self.tests_left.saturating_sub(1);
         if self.is_obstacle[corner] || !self.turns_left(corner) {
@@ -138,8 +133,6 @@ impl<'a> Outline<'a> {
         !self.has_obstacle(0..self.obstacles.len(), 0, &triangle, [low, high])
     }
 
-    /// Whether a triangle with these bounds contains an obstacle of a subtree, whose root splits
-    /// along `axis`.
     fn has_obstacle(
         &mut self,
         part: Range<usize>,
@@ -165,8 +158,7 @@ impl<'a> Outline<'a> {
     }
 }
 
-/// Orders corners as a k-d tree: the middle one splits the others along `axis`, and each half
-/// alternates the axis.
+/// The middle corner splits the others along `axis`; each half alternates the axis.
 #[expect(clippy::indexing_slicing, reason = "`corners` are indices into `flat`, and axes are 0 and 1")]
 fn build_tree(corners: &mut [usize], axis: usize, flat: &[[f64; 2]]) {
     if corners.len() > 1 {
@@ -182,8 +174,7 @@ fn middle(part: &Range<usize>) -> usize {
     part.start + part.len() / 2
 }
 
-/// The corners projected along an axis such that the polygon has its largest area,
-/// counter-clockwise.
+/// The corners projected to the largest area, counter-clockwise.
 #[expect(clippy::indexing_slicing, reason = "indices modulo the number of corners, which index points; axes modulo 3")]
 fn flattened(corners: &[u32], points: &[[f32; 3]]) -> Vec<[f64; 2]> {
     let at = |i: usize| points[corners[i % corners.len()] as usize].map(f64::from);
@@ -218,7 +209,6 @@ mod tests {
         triangles
     }
 
-    /// Sum of the areas of triangles, regardless of winding.
     fn area(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> f64 {
         let at = |corner: u32| glam::Vec3::from_array(points[corner as usize]).as_dvec3();
         triangles.iter().map(|&[a, b, c]| (at(b) - at(a)).cross(at(c) - at(a)).length() / 2.0).sum()
@@ -232,7 +222,6 @@ mod tests {
         (0..points.len()).map(|i| at(i).cross(at(i + 1))).sum::<glam::DVec3>().length() / 2.0
     }
 
-    /// Asserts that the triangles cover the polygon without overlap: right count and total area.
     #[track_caller]
     fn assert_covers(outline: &[[f32; 3]], what: &str) {
         let triangles = cut(outline);
@@ -241,7 +230,6 @@ mod tests {
         assert!((found - expected).abs() <= 1e-9 * expected, "{what}: {found} {expected}");
     }
 
-    /// A star of `points` points around `middle`, in a plane of constant x.
     fn star(points: usize, mirror: f64, middle: f32) -> Vec<[f32; 3]> {
         let corner = |i: usize| {
             let angle = std::f64::consts::PI * (i as f64 + 0.3) / points as f64;
@@ -251,7 +239,6 @@ mod tests {
         (0..2 * points).map(corner).collect()
     }
 
-    /// A fan from the first corner would cover more than the area.
     #[test]
     fn concave_polygons_keep_their_area() {
         for (points, mirror) in [(5, 1.0), (5, -1.0), (40, 1.0), (2_000, 1.0)] {
@@ -259,7 +246,6 @@ mod tests {
         }
     }
 
-    /// At a distance coordinates are coarse and corners coincide, but their differences are exact.
     #[test]
     fn distant_polygons_are_covered() {
         for middle in [1e3, -1e5, 1e6] {
@@ -272,7 +258,6 @@ mod tests {
         }
     }
 
-    /// Combs, spirals, steps, and a square with a hole connected by a bridge edge.
     #[test]
     fn combs_spirals_steps_and_holes_are_covered() {
         let comb = |teeth: usize| {
@@ -301,7 +286,6 @@ mod tests {
         assert_covers(&straight.map(|(x, y)| [x as f32, y as f32, 2.0]), "straight corners");
     }
 
-    /// Random star-shaped outlines.
     #[test]
     fn random_outlines_are_covered() {
         let seed = 5;
@@ -323,7 +307,6 @@ mod tests {
         assert!(concave > 200, "only {concave} outlines are concave");
     }
 
-    /// A large star, and a polygon that crosses itself everywhere.
     #[test]
     fn huge_polygons_take_bounded_time() {
         let start = std::time::Instant::now();

@@ -1,8 +1,5 @@
-//! UTF-16 text, as editors and shells on Windows write it.
-
-/// Text of a file that starts with a byte order mark of UTF-16, as UTF-8 without the mark.
-/// Replacement characters stand for invalid UTF-16. `None` for any other file. Complexity:
-/// O(bytes). The text is at most 1.5 times as long.
+/// UTF-8 text of a file with a byte order mark of UTF-16, which is removed. Replacement characters
+/// stand for invalid UTF-16. The text is at most 1.5 times as long.
 pub fn from_utf16(bytes: &[u8]) -> Option<Vec<u8>> {
     let unit: fn([u8; 2]) -> u16 = match bytes {
         [0xFF, 0xFE, ..] => u16::from_le_bytes,
@@ -19,7 +16,6 @@ pub fn from_utf16(bytes: &[u8]) -> Option<Vec<u8>> {
     Some(text.into_bytes())
 }
 
-/// Whether a file starts with a byte order mark of UTF-16.
 pub fn is_utf16(bytes: &[u8]) -> bool {
     bytes.starts_with(b"\xFF\xFE") || bytes.starts_with(b"\xFE\xFF")
 }

@@ -1,6 +1,5 @@
-//! Warning about points so far from the origin that `f32` costs them precision.
-//!
-//! The test compares a ratio of lengths, so that it does not depend on the scale of the mesh.
+//! Warning about points so far from the origin that `f32` loses precision: by a ratio of lengths,
+//! at any scale.
 
 use hullmap_bake::PointSet;
 use hullmap_bake::number::{percent, short};
@@ -11,20 +10,8 @@ use crate::fault::{counted, excerpt};
 /// spacing of `f32` is then more than 6e-5 of the extent, which leaves about four digits.
 const FAR: f64 = 1000.0;
 
-/// Warning about a point set whose distance from the origin costs it precision, or `None`.
-///
-/// `name` is the name of the object, for the message. Positions are in the frame of the hull.
-///
-/// ```
-/// use hullmap_import::far_away;
-///
-/// let at = |x: f32| [[x, 0.0, 0.0], [x + 1.0, 1.0, 0.0]];
-/// assert_eq!(far_away("crate", &at(10.0)), None);
-/// assert!(far_away("crate", &at(1e6)).unwrap().contains("--recentre"));
-/// ```
-///
-/// # Complexity
-/// O(points).
+/// Warning about a point set whose distance from the origin costs it precision. `name` is the name
+/// of the object, for the message.
 pub fn far_away(name: &str, positions: &[[f32; 3]]) -> Option<String> {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for position in positions {

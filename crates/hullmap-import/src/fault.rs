@@ -2,17 +2,14 @@
 
 use std::fmt;
 
-/// Error of an import: where the file is faulty, and how.
-///
 /// Displayed as `file:line: fault`, or `file: fault` where the fault has no line.
 #[derive(Debug)]
 pub struct ImportError {
     /// Name of the file, as the caller gave it.
     pub file: String,
-    /// One-based line number; the first line of a continued one. `None` if the fault concerns the
-    /// whole file.
+    /// One-based; the first line of a continued one. `None`: the whole file.
     pub line: Option<usize>,
-    /// What was found, what was expected, and the remedy.
+    /// The finding, the expectation, and the remedy.
     pub fault: Fault,
 }
 
@@ -27,12 +24,9 @@ impl fmt::Display for ImportError {
 
 impl std::error::Error for ImportError {}
 
-/// A [`Fault`] and the line at which it was found.
 #[derive(Debug)]
 pub struct LineFault {
-    /// See [`ImportError::line`].
     pub line: Option<usize>,
-    /// What is wrong.
     pub fault: Fault,
 }
 
@@ -42,140 +36,70 @@ pub enum Fault {
     /// A fault without a variant of its own: the whole message.
     #[error("{0}")]
     Format(String),
-    /// More bytes than the limit, in the file and its buffers.
     #[error(
         "the file has more than {limit} bytes, and an import can take eight times as much memory; split it, or raise --max-input-bytes"
     )]
-    InputTooLarge {
-        /// The limit.
-        limit: u64,
-    },
-    /// A coordinate that exceeds the range of `f32` after scaling or transforming.
+    InputTooLarge { limit: u64 },
     #[error(
         "vertex {vertex} has the coordinate {coordinate:e} {after}, too large for 32-bit floats (limit 3.4e38); {remedy}"
     )]
-    Unplaceable {
-        /// Zero-based index.
-        vertex: u32,
-        /// The coordinate.
-        coordinate: f64,
-        /// Step after which it has that value.
-        after: &'static str,
-        /// Suggested remedy.
-        remedy: &'static str,
-    },
-    /// More objects than the limit, in a file to be split by object.
+    Unplaceable { vertex: u32, coordinate: f64, after: &'static str, remedy: &'static str },
     #[error(
         "the file has more than {}, and each would become a hull; use --split none, split the file, or raise --max-objects",
         counted(.limit, "object", "objects")
     )]
-    TooManyObjects {
-        /// The limit.
-        limit: usize,
-    },
-    /// Zero bytes, or white space only.
+    TooManyObjects { limit: usize },
     #[error("the file is empty; expected an OBJ file with `v x y z` lines: export it again")]
     Empty,
     /// A UTF-16 byte order mark, in a format other than OBJ.
     #[error("the file is UTF-16 text; expected ASCII, UTF-8 or binary: save it again as UTF-8")]
     Utf16,
-    /// No `v` line.
     #[error(
         "no `v x y z` line found, but a hull requires at least one point: check that this is an OBJ, glTF, GLB, STL, PLY, COLLADA or MSH file and that the export finished"
     )]
     NoVertices,
-    /// More vertices than `u32` can index.
     #[error("the file has more than {} vertices; split it", u32::MAX - 1)]
     TooManyVertices,
-    /// More references than `u32` can index.
     #[error("the file has more than {} face corners; split it", u32::MAX)]
     TooManyReferences,
-    /// Fewer than three numbers after `v`.
     #[error(
         "`v` has {found} of 3 coordinates; expected `v x y z`: complete the line, or export the file again if it was cut off"
     )]
-    TooFewCoordinates {
-        /// Count found.
-        found: usize,
-    },
+    TooFewCoordinates { found: usize },
     /// Five numbers after `v`, or more than six.
     #[error("`v` has {found} numbers; expected 3 (x y z), 4 (x y z w) or 6 (x y z r g b): correct the line")]
-    CoordinateCount {
-        /// Count found.
-        found: usize,
-    },
-    /// A coordinate that cannot be parsed.
+    CoordinateCount { found: usize },
     #[error("coordinate `{text}` is not a number; expected a form such as -1.5 or 2e-3{}", comma_hint(.text))]
-    BadNumber {
-        /// The word found.
-        text: String,
-    },
-    /// A coordinate of NaN.
+    BadNumber { text: String },
     #[error("coordinate `{text}` is not a number (NaN); repair the mesh in its editor: look for degenerate geometry")]
-    NotANumber {
-        /// The word found.
-        text: String,
-    },
-    /// A coordinate of infinity.
+    NotANumber { text: String },
     #[error("coordinate `{text}` is infinite, but a hull requires finite points: correct or remove this vertex")]
-    Infinite {
-        /// The word found.
-        text: String,
-    },
-    /// A coordinate that is finite in the text, but too large for the floating-point type.
+    Infinite { text: String },
     #[error("coordinate `{text}` is too large for 32-bit floats (limit 3.4e38); scale the mesh down")]
-    Overflow {
-        /// The word found.
-        text: String,
-    },
-    /// An `f`, `l` or `p` line without references.
+    Overflow { text: String },
     #[error("`{keyword}` references no vertices; complete or remove the line")]
-    NoReferences {
-        /// The element's keyword.
-        keyword: String,
-    },
-    /// A vertex reference that cannot be parsed.
+    NoReferences { keyword: String },
     #[error("`{text}` is not a vertex reference; expected a form such as 7, 7/1, 7//3, 7/1/3 or -1")]
-    BadReference {
-        /// The word found.
-        text: String,
-    },
-    /// Vertex index 0.
+    BadReference { text: String },
     #[error(
         "vertex index 0 in `{text}` is invalid: OBJ indices start at 1, or at -1 counting backwards; check whether the exporter wrote indices from 0"
     )]
-    ZeroIndex {
-        /// The word found.
-        text: String,
-    },
-    /// A positive vertex index above the number of `v` lines in the file.
+    ZeroIndex { text: String },
     #[error(
         "vertex index {text} is out of range (the file has {}); check whether the file was cut off or joined from parts",
         counted(.count, "vertex", "vertices")
     )]
-    IndexTooLarge {
-        /// The index found.
-        text: String,
-        /// Number of vertices in the whole file.
-        count: usize,
-    },
-    /// A negative vertex index that reaches back before the first `v` line.
+    IndexTooLarge { text: String, count: usize },
     #[error(
         "vertex index {text} is out of range ({} above this line); a negative index counts back from its line",
         counted(.declared, "vertex", "vertices")
     )]
-    IndexBeforeFirst {
-        /// The word found.
-        text: String,
-        /// Number of vertices above the line.
-        declared: usize,
-    },
+    IndexBeforeFirst { text: String, declared: usize },
     /// tobj rejects coordinates in which the scan finds no fault.
     #[error("the OBJ reader (tobj) rejects the vertices: {0}; this is a defect of hullmap: report it with the file")]
     Rejected(tobj::LoadError),
 }
 
-/// Maximum length of a quoted word in a message, in characters.
 const EXCERPT_CHARS: usize = 40;
 
 /// Start of a word or name, short enough for a message and without control characters.
@@ -189,18 +113,15 @@ pub fn excerpt(word: &str) -> String {
 }
 
 impl Fault {
-    /// A fault without a variant of its own. The text names what was found, what was expected, and
-    /// the remedy.
+    /// The text states the finding, the expectation, and the remedy.
     pub fn format(text: impl Into<String>) -> Self {
         Self::Format(text.into())
     }
 
-    /// This fault, found at a one-based line.
     pub fn at_line(self, line: usize) -> LineFault {
         LineFault { line: Some(line), fault: self }
     }
 
-    /// This fault, found in the file as a whole.
     pub fn of_file(self) -> LineFault {
         LineFault { line: None, fault: self }
     }

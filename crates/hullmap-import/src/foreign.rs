@@ -1,7 +1,5 @@
-//! Files of formats that are not read, recognised by their first bytes, or else by their extension.
-//!
-//! Each has an error that names the format and the remedy. Otherwise a renamed file would only get
-//! the message of a parser for another format.
+//! Formats that are not read, recognised by first bytes or extension. Each error names the format
+//! and the remedy: a parser for another format would not.
 
 use std::path::Path;
 
@@ -14,7 +12,6 @@ use crate::stl;
 /// archive, must appear.
 const PROBE: usize = 4096;
 
-/// A format of meshes or scenes that no reader here supports.
 #[derive(Debug, PartialEq, Eq)]
 struct Unread {
     name: &'static str,
@@ -38,12 +35,10 @@ const FBX: Unread = format("FBX", &["fbx"]).in_program("Blender");
 const USD: Unread = format("USD", &["usd", "usda", "usdc", "usdz"]).in_program("Blender");
 const BLEND: Unread = format("Blender's own format", &["blend"]).in_program("Blender");
 
-/// The formats that are recognised by their extensions.
 const UNREAD: [Unread; 41] = [
     FBX,
     USD,
     BLEND,
-    // Interchange, and printing.
     format("3D Studio", &["3ds"]).in_program("MeshLab"),
     format("3MF", &["3mf"]).in_program("MeshLab"),
     format("Alembic", &["abc"]).in_program("Blender"),
@@ -54,7 +49,6 @@ const UNREAD: [Unread; 41] = [
     format("U3D", &["u3d"]),
     format("VRML", &["wrl", "wrz", "vrml"]).in_program("MeshLab"),
     format("X3D", &["x3d", "x3db", "x3dv"]).in_program("MeshLab"),
-    // Modelling programs.
     format("3ds Max", &["max", "ase"]),
     format("Cinema 4D", &["c4d"]),
     format("LightWave", &["lwo", "lws"]),
@@ -63,7 +57,6 @@ const UNREAD: [Unread; 41] = [
     format("Modo", &["lxo"]),
     format("Rhino", &["3dm"]),
     format("SketchUp", &["skp"]),
-    // CAD and buildings.
     format("ACIS", &["sat"]),
     format("AutoCAD", &["dwg", "dxf"]).in_program("FreeCAD"),
     format("BREP", &["brep", "brp"]).in_program("FreeCAD"),
@@ -77,7 +70,6 @@ const UNREAD: [Unread; 41] = [
     format("Parasolid", &["x_t", "x_b"]),
     format("SolidWorks", &["sldprt", "sldasm"]),
     format("STEP", &["step", "stp"]).in_program("FreeCAD"),
-    // Simulation, engines, and point clouds.
     format("MESH (of OGRE or Medit)", &["mesh"]),
     format("Quake", &["md2", "md3", "md5mesh"]),
     format("Valve's SMD", &["smd"]),
@@ -87,25 +79,19 @@ const UNREAD: [Unread; 41] = [
     format("PCD", &["pcd"]),
 ];
 
-/// Contents of a file that is not a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Foreign {
-    /// A scene in this format.
     Scene(&'static Unread),
     /// COLLADA, with the extension of another format.
     Misnamed,
-    /// A Git LFS pointer.
     LfsPointer,
-    /// An archive or compressed file of this kind.
     Packed(&'static str),
-    /// A PNG image, which may be a height field.
     Image,
     /// A page of a web site, often a login page or a preview.
     WebPage,
 }
 
-/// Format of a file that a reader can be tried on. Fails if the file is in a format that is not
-/// supported, is a Git LFS pointer, or is UTF-16 in a format other than OBJ. Complexity: O(1).
+/// Fails for formats that are not supported, Git LFS pointers, and UTF-16 other than OBJ.
 pub fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
     let format = Format::detect(path, bytes);
     // The first 80 bytes of a binary STL file are a comment, which may hold anything.
@@ -134,7 +120,6 @@ pub fn is_lfs_pointer(bytes: &[u8]) -> bool {
     bytes.starts_with(b"version https://git-lfs.github.com/spec/v1")
 }
 
-/// Remedy for a Git LFS pointer.
 pub const LFS_REMEDY: &str = "run `git lfs pull`";
 
 fn fault(foreign: Foreign) -> Fault {
@@ -202,14 +187,6 @@ fn of_extension(path: &Path) -> Option<&'static Unread> {
 
 /// Name of the format of a file, if its extension belongs to meshes or scenes that are not
 /// supported.
-///
-/// ```
-/// use std::path::Path;
-///
-/// assert_eq!(hullmap_import::unread_format(Path::new("robot/arm.FBX")), Some("FBX"));
-/// assert_eq!(hullmap_import::unread_format(Path::new("robot/arm.stl")), None);
-/// assert_eq!(hullmap_import::unread_format(Path::new("robot/arm.png")), None);
-/// ```
 pub fn unread_format(path: &Path) -> Option<&'static str> {
     of_extension(path).map(|format| format.name)
 }
@@ -257,6 +234,8 @@ mod tests {
 
     #[test]
     fn foreign_extensions_are_named_whatever_the_content() {
+        let named = ["a.FBX", "a.stl", "a.png"].map(|name| unread_format(Path::new(name)));
+        assert_eq!(named, [Some("FBX"), None, None]);
         for (name, expected) in [
             ("a.FBX", "the file is FBX"),
             ("a.usd", "the file is USD"),

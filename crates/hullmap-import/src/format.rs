@@ -1,20 +1,13 @@
-//! Source formats, and how a file's format is recognised; `foreign.rs` recognises those that are
-//! not read.
+//! Source formats, and how a file's format is recognised.
 
 use std::path::Path;
 
-/// A format of source files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Wavefront OBJ.
     Obj,
-    /// glTF 2.0, text or GLB.
     Gltf,
-    /// STL, text or binary.
     Stl,
-    /// PLY, text or binary.
     Ply,
-    /// COLLADA.
     Collada,
     /// MuJoCo's MSH.
     Msh,
@@ -23,7 +16,6 @@ pub enum Format {
 /// File name extensions of source files, in lower case.
 pub const EXTENSIONS: [&str; 7] = ["obj", "gltf", "glb", "stl", "ply", "dae", "msh"];
 
-/// The formats of these extensions.
 const FORMATS: [Format; EXTENSIONS.len()] =
     [Format::Obj, Format::Gltf, Format::Gltf, Format::Stl, Format::Ply, Format::Collada, Format::Msh];
 
@@ -49,24 +41,11 @@ impl Format {
 }
 
 /// Whether the extension of a file is one of [`EXTENSIONS`], in any case.
-///
-/// ```
-/// use std::path::Path;
-///
-/// assert!(hullmap_import::is_source(Path::new("meshes/crate.OBJ")));
-/// assert!(!hullmap_import::is_source(Path::new("meshes/crate.mtl")));
-/// ```
 pub fn is_source(path: &Path) -> bool {
     Format::of_extension(path).is_some()
 }
 
 /// Whether a file has the extension of glTF buffers, `.bin`, in any case.
-///
-/// ```
-/// use std::path::Path;
-///
-/// assert!(hullmap_import::is_buffer(Path::new("meshes/crate.bin")));
-/// ```
 pub fn is_buffer(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("bin"))
 }
@@ -94,5 +73,6 @@ mod tests {
             assert_eq!(is_source(Path::new(name)), !name.ends_with("txt") && name != "a", "{name}");
         }
         assert!(EXTENSIONS.iter().all(|extension| is_source(&Path::new("x").with_extension(extension))));
+        assert!(is_buffer(Path::new("a.BIN")) && !is_buffer(Path::new("a.obj")));
     }
 }

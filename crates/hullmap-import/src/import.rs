@@ -24,9 +24,8 @@ use crate::{
 /// Result of an import.
 #[derive(Debug)]
 pub struct Imported {
-    /// One set for each hull, in file order. No set is empty, and all names differ. The origin of a
-    /// set is the origin of its frame in the rotated and scaled source frame; it is 0 unless the
-    /// points are recentred.
+    /// One set for each hull, in file order, not empty, with different names. Its origin is its
+    /// frame's in the rotated and scaled source frame; 0 unless recentred.
     pub point_sets: Vec<PointSet>,
     /// Faces of each set, as indices into its points. Empty for a point cloud.
     pub faces: Vec<Polygons>,
@@ -46,31 +45,12 @@ pub struct Imported {
 
 impl Imported {
     /// Number of points in all sets. A vertex of two objects counts twice.
-    ///
-    /// ```
-    /// # use hullmap_import::{ImportOptions, Limits, SourceFile, Split, import};
-    /// let source = SourceFile::alone(b"v 0 0 0\nv 1 0 0\no a\nl 1 2\no b\nl 2 1\n".to_vec());
-    /// let options = ImportOptions { split: Split::Object, ..ImportOptions::DEFAULT };
-    /// let imported = import("a.obj", "a", "a.obj".as_ref(), &source, &options, &Limits::DEFAULT)?;
-    /// assert_eq!((imported.vertex_count, imported.point_count()), (2, 4));
-    /// # Ok::<(), hullmap_import::ImportError>(())
-    /// ```
     pub fn point_count(&self) -> usize {
         self.point_sets.iter().map(|set| set.positions.len()).sum()
     }
 
-    /// Triangulates the faces of each point set and stores the triangles in it. A convex
-    /// decomposition requires them.
-    ///
-    /// ```
-    /// # use hullmap_import::{ImportOptions, Limits, SourceFile, import};
-    /// let source = SourceFile::alone(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n".to_vec());
-    /// let (options, limits) = (ImportOptions::DEFAULT, Limits::DEFAULT);
-    /// let mut imported = import("a.obj", "a", "a.obj".as_ref(), &source, &options, &limits)?;
-    /// imported.give_triangles();
-    /// assert_eq!(imported.point_sets[0].triangles, [[0, 1, 2], [0, 2, 3]]);
-    /// # Ok::<(), hullmap_import::ImportError>(())
-    /// ```
+    /// Triangulates the faces of each point set and stores the triangles in it, for a convex
+    /// decomposition.
     pub fn give_triangles(&mut self) {
         for (set, faces) in self.point_sets.iter_mut().zip(&self.faces) {
             set.triangles = faces.triangles(&set.positions);
@@ -81,19 +61,8 @@ impl Imported {
 /// Imports a source file.
 ///
 /// `file` is the name of the file in messages. `stem` is the name of objects without one, and of
-/// the hull of a whole file. The extension of `path` selects the format, or the first bytes if the
-/// extension is not known. Material files are not read.
-///
-/// ```
-/// use std::path::Path;
-/// use hullmap_import::{ImportOptions, Limits, SourceFile, import};
-///
-/// let source = SourceFile::alone(b"v 0 0 0\nf 9\n".to_vec());
-/// let options = ImportOptions::DEFAULT;
-/// let error = import("a.obj", "a", Path::new("a.obj"), &source, &options, &Limits::DEFAULT);
-/// let message = error.unwrap_err().to_string();
-/// assert!(message.starts_with("a.obj:2: vertex index 9 is out of range (the file has 1 vertex)"));
-/// ```
+/// the hull of a whole file. The extension of `path` selects the format, or else the first bytes.
+/// Material files are not read.
 ///
 /// # Errors
 /// The first fault in the file, with its line or object, and the remedy.
@@ -123,7 +92,6 @@ pub fn import(
     imported(file, stem, mesh, options, limits)
 }
 
-/// The point sets of a mesh, with notes and warnings.
 #[expect(clippy::indexing_slicing, reason = "readers reject references out of range")]
 pub(crate) fn imported(
     file: &str,
@@ -174,8 +142,7 @@ pub(crate) fn imported(
     })
 }
 
-/// Number of selected vertices at the position of an earlier one, where -0 equals +0. A vertex of
-/// two sets counts once.
+/// Counts -0 as +0, and a vertex of two sets once.
 #[expect(clippy::indexing_slicing, reason = "source vertices are indices below `vertex_count`")]
 fn count_duplicates(vertex_count: usize, sets: &[PointSet]) -> usize {
     let mut is_counted = vec![false; vertex_count];

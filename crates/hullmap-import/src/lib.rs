@@ -1,13 +1,10 @@
 //! Import of OBJ, glTF, GLB, STL, PLY, COLLADA and MSH files: from the bytes of a file to the point
-//! sets of hulls.
+//! sets of hulls. Each point keeps the index of its vertex in the file.
 //!
-//! Each point keeps the index of its vertex in the file, so that every hull vertex can be traced to
-//! its source.
-//!
-//! 1. [`read()`] loads the file, and the buffers beside a glTF file. `foreign` rejects files of
-//!    other formats.
-//! 2. `obj`, `gltf`, `stl`, `ply`, `collada` or `msh` parses it into a source `mesh` of vertices,
-//!    elements and objects, within `limits`.
+//! 1. [`read()`] loads the file, and the buffers beside a glTF file. `foreign` rejects other
+//!    formats.
+//! 2. `obj`, `gltf`, `stl`, `ply`, `collada` or `msh` parses it into a source `mesh`, within
+//!    `limits`.
 //! 3. `point_sets` selects the points and splits them by object (with `--split auto` by
 //!    `conventions`). `placement` rotates, scales and recentres them.
 //! 4. `far` warns about points too far from the origin for the precision of `f32`.
@@ -82,7 +79,6 @@ pub use point_sets::unique_names;
 pub use read::{ReadError, SourceFile, buffers_of, open_regular, read};
 pub use scene_objects::{SceneObject, scene_objects};
 
-/// The examples of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 pub struct Readme;

@@ -23,13 +23,6 @@ pub const MEMORY_BASE: u64 = 96 << 20;
 pub const GLTF_LIST: usize = 1 << 18;
 
 /// Limits that a user can raise.
-///
-/// ```
-/// use hullmap_import::Limits;
-///
-/// let limits = Limits { objects: 1_000, ..Limits::DEFAULT };
-/// assert_eq!(limits.input_bytes, Limits::default().input_bytes);
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Maximum size of a source file together with its buffers, in bytes. An import takes up to
@@ -39,10 +32,9 @@ pub struct Limits {
     /// object. Each becomes a hull, and packs are designed for up to about 100,000 hulls.
     pub objects: usize,
     /// Maximum number of vertices and corners that a glTF file contains only by repetition or
-    /// compression: instances of a mesh after the first, accessors that share bytes, zeros, and
-    /// what a compressed mesh has beyond its bytes. Each takes up to 64 bytes of memory. Every 32
-    /// decoded bytes of a buffer view that meshopt compresses count as one. Primitives, and the
-    /// bytes of mesh names that become names of objects, count too.
+    /// compression: repeated instances, shared accessors, zeros, and what a compressed mesh has
+    /// beyond its bytes. Each takes up to 64 bytes of memory. Every 32 decoded bytes of meshopt,
+    /// primitives, and bytes of mesh names that name objects count, too.
     pub repeated_vertices: usize,
 }
 
@@ -52,7 +44,6 @@ impl Limits {
 }
 
 impl Limits {
-    /// The fault of a glTF file with more repetition than the limit.
     pub(crate) fn too_much_repetition(&self) -> Fault {
         Fault::format(format!(
             "instances, zeros and compression add more than {} vertices and corners to the file; bake the meshes separately, or raise --max-instanced",

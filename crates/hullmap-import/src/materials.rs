@@ -1,19 +1,6 @@
 //! Materials of the faces of a file: their names, and runs of consecutive faces with the same one.
 
 /// Materials of the faces, each as a number. The number 0 stands for no material.
-///
-/// ```
-/// use hullmap_import::{ImportOptions, Limits, SourceFile, import};
-///
-/// let text = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nusemtl rock\nf 1 2 3 4\n";
-/// let source = SourceFile::alone(text.to_vec());
-/// let (options, limits) = (ImportOptions::DEFAULT, Limits::DEFAULT);
-/// let imported = import("a.obj", "a", "a.obj".as_ref(), &source, &options, &limits)?;
-/// // The square is two triangles.
-/// assert_eq!(imported.materials.of_triangles(&imported.faces[0].ends), Some(vec![0, 1, 1]));
-/// assert_eq!(imported.materials.names(), ["rock"]);
-/// # Ok::<(), hullmap_import::ImportError>(())
-/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Materials {
     names: Vec<String>,
@@ -38,12 +25,9 @@ impl Materials {
         self.unknown_count
     }
 
-    /// Material of each triangle of the faces, in the order of
-    /// [`Polygons::triangles`](crate::Polygons::triangles); empty if no face has a material. `ends`
-    /// are the ends of all faces of the file. `None` if a number exceeds 65,535.
-    ///
-    /// # Complexity
-    /// O(triangles).
+    /// Material of each triangle, in the order of
+    /// [`Polygons::triangles`](crate::Polygons::triangles); empty without materials. `ends` are the
+    /// ends of all faces of the file. `None` if a number exceeds 65,535.
     pub fn of_triangles(&self, ends: &[u32]) -> Option<Vec<u16>> {
         if self.is_empty() {
             return Some(Vec::new());
@@ -71,7 +55,6 @@ impl Materials {
 
     /// The faces from `face` on have the material with this number, or none with 0.
     pub(crate) fn begin(&mut self, face: usize, number: u32) {
-        // A run without faces is replaced.
         if self.runs.last().is_some_and(|(first, _)| *first as usize == face) {
             self.runs.pop();
         }
@@ -102,7 +85,6 @@ mod tests {
         }
         assert_eq!(materials.runs, [(0, 2), (4, 0)]);
         assert_eq!(materials.unknown_count(), 1);
-        // Faces of 3, 1, 4, 3 and 3 corners.
         let ends = [3, 4, 8, 11, 14];
         assert_eq!(materials.of_triangles(&ends), Some(vec![2, 2, 2, 2, 0]));
         assert_eq!(Materials::default().of_triangles(&ends), Some(vec![]));

@@ -3,18 +3,14 @@
 use crate::ears::triangulate;
 use crate::materials::Materials;
 
-/// Vertex positions in file order, in the precision of the file or of the options.
 #[derive(Debug)]
 pub enum Positions {
-    /// `f32`.
     Single(Vec<[f32; 3]>),
-    /// `f64`: for a file in that precision, or for positions that are transformed before they are
-    /// rounded once.
+    /// For a file in `f64`, or for transforms before the only rounding.
     Double(Vec<[f64; 3]>),
 }
 
 impl Positions {
-    /// Number of vertices.
     pub fn len(&self) -> usize {
         match self {
             Self::Single(positions) => positions.len(),
@@ -22,7 +18,6 @@ impl Positions {
         }
     }
 
-    /// Position of a vertex.
     #[expect(clippy::indexing_slicing, reason = "callers pass vertices of the mesh")]
     pub fn get(&self, vertex: u32) -> [f64; 3] {
         match self {
@@ -33,16 +28,6 @@ impl Positions {
 }
 
 /// Polygons, as one list of corners and the end of each polygon in it.
-///
-/// ```
-/// use hullmap_import::Polygons;
-///
-/// let mut faces = Polygons::default();
-/// faces.push(&[0, 1, 2, 3]);
-/// faces.push(&[3, 2, 4]);
-/// assert_eq!(faces.len(), 2);
-/// assert_eq!(faces.corners[faces.start(1)..faces.start(2)], [3, 2, 4]);
-/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Polygons {
     /// Vertex indices of all corners, polygon by polygon.
@@ -62,8 +47,7 @@ impl Polygons {
         self.ends.is_empty()
     }
 
-    /// Start of polygon `index` in `corners`. For `index` equal to [`Polygons::len`], the end of
-    /// the last polygon.
+    /// Start of polygon `index` in `corners`; for [`Polygons::len`], the end of the last one.
     ///
     /// # Panics
     /// If `index` is greater than [`Polygons::len`].
@@ -78,22 +62,12 @@ impl Polygons {
         self.end();
     }
 
-    /// Ends a polygon at the last entry of `corners`.
     pub(crate) fn end(&mut self) {
         self.ends.push(self.corners.len() as u32);
     }
 
     /// Triangulates the polygons over `points`. A polygon of n corners gives n - 2 triangles,
-    /// convex or not, with the winding of the polygon.
-    ///
-    /// ```
-    /// use hullmap_import::Polygons;
-    ///
-    /// let mut faces = Polygons::default();
-    /// faces.push(&[0, 1, 2, 3]);
-    /// let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-    /// assert_eq!(faces.triangles(&square), [[0, 1, 2], [0, 2, 3]]);
-    /// ```
+    /// convex or not, with its winding.
     ///
     /// # Panics
     /// If a corner is not an index into `points`.
@@ -120,18 +94,13 @@ impl Polygons {
 pub struct SourceObject {
     /// Its name in the file, or an empty string.
     pub name: String,
-    /// Index of the first vertex declared in it.
     pub first_vertex: u32,
-    /// Index of its first polygon.
     pub first_face: u32,
-    /// Index of its first loose reference.
     pub first_loose: u32,
 }
 
-/// An object that is a collider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SourceCollider {
-    /// Its index among the objects.
     pub object: usize,
     /// Index of the object whose shape it stands for, if that is known.
     pub stands_for: Option<usize>,
@@ -150,25 +119,20 @@ pub struct SourceMesh {
     pub loose: Vec<u32>,
     /// Objects in file order. There is at least one, and the first starts at 0.
     pub objects: Vec<SourceObject>,
-    /// Objects that are colliders by an extension of the file, ascending. Names have no effect
-    /// then.
+    /// Colliders by an extension of the file, ascending. Names have no effect then.
     pub colliders: Vec<SourceCollider>,
     /// Whether objects beyond the limit were joined to the last one. The file cannot be split by
     /// object then.
     pub has_too_many_objects: bool,
-    /// Whether duplicate vertices are worth a note. In some formats they are the rule: each
-    /// triangle spells out its corners.
+    /// Whether duplicate vertices are worth a note. In some formats they are the rule.
     pub may_share_vertices: bool,
     /// Whether the file has groups but no objects. A split by object ignores groups.
     pub has_only_groups: bool,
-    /// Information for the user, a sentence each.
     pub notes: Vec<String>,
-    /// Warnings for the user, a sentence each, with the remedy.
     pub warnings: Vec<String>,
 }
 
 impl SourceMesh {
-    /// A mesh of one object without a name.
     pub fn new(positions: Positions, faces: Polygons) -> Self {
         Self {
             positions,
@@ -185,7 +149,7 @@ impl SourceMesh {
         }
     }
 
-    /// Starts an object, unless `limit` is reached. What is added next belongs to it.
+    /// Starts an object, unless `limit` is reached. Later additions belong to it.
     pub fn begin_object(&mut self, name: String, limit: usize) {
         if self.objects.len() > limit {
             self.has_too_many_objects = true;

@@ -7,10 +7,8 @@
 use crate::fault::{Fault, LineFault};
 use crate::mesh::{Polygons, Positions, SourceMesh};
 
-/// Bytes of the counts.
 const HEADER: usize = 16;
 
-/// Reads an MSH file. The error is the first fault. Complexity: O(bytes).
 pub fn read(bytes: &[u8]) -> Result<SourceMesh, LineFault> {
     if bytes.trim_ascii_start().starts_with(b"$MeshFormat") {
         return Err(fault("the file is a Gmsh mesh, not MuJoCo's MSH: export it as STL"));
@@ -65,7 +63,6 @@ fn fault(text: impl Into<String>) -> LineFault {
 mod tests {
     use super::*;
 
-    /// A tetrahedron with a normal and a texture coordinate.
     fn tetrahedron() -> Vec<u8> {
         let counts = [4_i32, 1, 1, 2].map(i32::to_le_bytes);
         let floats = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.5, 0.5]

@@ -38,14 +38,6 @@ pub enum UpAxis {
 }
 
 /// Options of an import.
-///
-/// ```
-/// use hullmap_import::{ImportOptions, Split};
-///
-/// let default = ImportOptions::DEFAULT;
-/// let options = ImportOptions { split: Split::Object, unit_scale: 0.01, ..default };
-/// assert!(!options.recentre);
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImportOptions {
     /// How the file is split into hulls.

@@ -4,9 +4,8 @@ use crate::fault::Fault;
 use crate::mesh::Positions;
 use crate::options::{ImportOptions, UpAxis};
 
-/// A list of positions is shortened when this fraction of it is no longer in use: 1 / 8. Each
-/// shortening may copy the list, so that the copies of a whole import amount to at most eight times
-/// the list.
+/// A list of positions is shortened when an eighth of it is unused, so that all copies amount to at
+/// most eight times the list.
 const FREED_FRACTION: usize = 8;
 
 /// Transform from the frame of a source file to the frame of its hulls.
@@ -19,7 +18,6 @@ pub struct Placement {
     is_recentred: bool,
 }
 
-/// Whether these options require source positions in `f64`.
 pub fn requires_double(options: &ImportOptions) -> bool {
     options.recentre || options.unit_scale != 1.0
 }
@@ -51,7 +49,6 @@ impl Placement {
         placement
     }
 
-    /// Rotates and scales a point.
     fn in_source(&self, point: [f64; 3]) -> [f64; 3] {
         self.rotate(point).map(|x| x * self.scale)
     }
@@ -73,9 +70,8 @@ impl Placement {
         self.place_point(positions.get(vertex), vertex)
     }
 
-    /// Positions of all vertices in the hulls' frame. Frees the memory of `f64` positions on the
-    /// way, since both whole lists together would be the peak of an import. Fails if a coordinate
-    /// is too large for `f32`. Complexity: O(vertices).
+    /// Positions in the hulls' frame. Frees the memory of `f64` positions on the way: both lists
+    /// would be the peak of an import. Fails if a coordinate is too large for `f32`.
     #[expect(
         clippy::indexing_slicing,
         reason = "`placed` is as long as `doubles` was at first, and `vertex` is below that"

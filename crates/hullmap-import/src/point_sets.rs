@@ -20,24 +20,17 @@ use crate::placement::Placement;
 
 const NAMES_IN_NOTE: usize = 5;
 
-/// Point sets of a file, with notes and warnings.
 #[derive(Debug, Default)]
 pub struct Sets {
     /// One set for each hull, in file order. No set is empty.
     pub point_sets: Vec<PointSet>,
-    /// Faces of each set, as indices into its points.
     pub faces: Vec<Polygons>,
-    /// Information for the user.
     pub notes: Vec<String>,
-    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 
-/// Point sets of a file.
-///
-/// `referenced` holds for each vertex whether any element references it. `stem` is the name of
-/// objects without one. Fails if the file has too many objects for a split, or points that `f32`
-/// cannot hold.
+/// `referenced`: whether any element references each vertex. `stem` is the name of objects without
+/// one. Fails for too many objects, or points that `f32` cannot hold.
 #[expect(clippy::indexing_slicing, reason = "`referenced` has an entry for each vertex of the mesh")]
 pub fn point_sets(
     mesh: &mut SourceMesh,
@@ -105,13 +98,11 @@ pub fn point_sets(
     Ok(sets)
 }
 
-/// The placement of the vertices of all parts.
 fn placement_of(positions: &Positions, parts: &[(String, Vec<u32>, Polygons)], options: &ImportOptions) -> Placement {
     Placement::new(positions, parts.iter().flat_map(|(_, vertices, _)| vertices.iter().copied()), options)
 }
 
-/// The mesh that collision parts stand for, in their frame. `None` if it has no triangles, or
-/// coordinates that `f32` cannot hold: then nothing is known about its parts.
+/// The mesh in the frame of the parts; `None` without triangles, or with coordinates beyond f32.
 fn place_mesh(
     mesh: &SourceMesh,
     object: usize,
@@ -146,7 +137,6 @@ pub fn object_names(mesh: &SourceMesh, stem: &str) -> Vec<(usize, String)> {
     objects.into_iter().zip(unique_names(names, str::to_owned)).collect()
 }
 
-/// Indices of all objects with points.
 fn all_objects(mesh: &SourceMesh, referenced: &[bool], takes_all: bool, stem: &str, sets: &mut Sets) -> Vec<usize> {
     let (mut chosen, mut skipped) = (Vec::new(), Vec::new());
     for object in 0..mesh.objects.len() {
@@ -169,9 +159,8 @@ fn all_objects(mesh: &SourceMesh, referenced: &[bool], takes_all: bool, stem: &s
     chosen
 }
 
-/// Indices of the objects that are collision parts, by an extension of the file or else by their
-/// names, each with the object that it stands for; `None` if there are none. The parts of one
-/// object follow one another.
+/// Parts by an extension of the file, or else by name, each with its object. Parts of one object
+/// are consecutive.
 fn collision_parts(
     mesh: &SourceMesh,
     referenced: &[bool],
@@ -186,7 +175,6 @@ fn collision_parts(
     Some(grouped(chosen))
 }
 
-/// The objects that are colliders by an extension of the file, each with the object it stands for.
 fn colliders(mesh: &SourceMesh, objects: &[usize], sets: &mut Sets) -> Vec<(usize, Option<usize>)> {
     let has_points = |collider: &&SourceCollider| objects.binary_search(&collider.object).is_ok();
     let chosen: Vec<(usize, Option<usize>)> =
@@ -201,7 +189,6 @@ fn colliders(mesh: &SourceMesh, objects: &[usize], sets: &mut Sets) -> Vec<(usiz
     chosen
 }
 
-/// The objects whose names mark them as collision parts, each with the object that it stands for.
 fn named_parts(
     mesh: &SourceMesh,
     objects: &[usize],
@@ -248,10 +235,8 @@ fn name_of<'a>(mesh: &'a SourceMesh, object: usize, stem: &'a str) -> &'a str {
     if name.is_empty() { stem } else { name }
 }
 
-/// Ranges of an object's vertices, faces and loose references in the lists of the mesh.
-///
-/// Objects start in ascending order and within those lists, since readers record the lengths at
-/// that time.
+/// Ranges of an object's vertices, faces and loose references. Objects start in ascending order and
+/// within the lists, since readers record the lengths at that time.
 #[expect(clippy::indexing_slicing, reason = "callers pass objects of the mesh")]
 fn extent(mesh: &SourceMesh, object: usize) -> [Range<usize>; 3] {
     let start = &mesh.objects[object];
@@ -313,8 +298,7 @@ fn build(
     // Index of each vertex in the current set. Entries of earlier sets are stale and never read.
     let mut own_index: Vec<u32> = Vec::new();
     for (name, vertices, mut faces) in parts {
-        // The list has no repetition. If it is as long as the mesh, it holds all vertices, and
-        // indices stay the same.
+        // Without repetition, a list as long as the mesh holds all vertices: indices stay the same.
         if vertices.len() < positions.len() && !faces.corners.is_empty() {
             own_index.resize(positions.len(), 0);
             for (own, &vertex) in vertices.iter().enumerate() {

@@ -17,25 +17,15 @@ use crate::limits::Limits;
 pub struct SourceFile {
     /// Bytes of the file.
     pub bytes: Vec<u8>,
-    /// Buffers beside a glTF file that its positions and indices require, with their paths relative
-    /// to it, in the document's order.
+    /// Required buffers beside a glTF file, with their relative paths, in the document's order.
     pub beside: Vec<(String, Vec<u8>)>,
-    /// XXH3-128 of the file's bytes. If there are buffers beside it, XXH3-128 of the hashes of the
-    /// file and then of the buffers, each as 16 bytes in little-endian order. The names of the
-    /// buffers are in the file.
+    /// XXH3-128 of the file's bytes; with buffers, of the hashes of the file and then of the
+    /// buffers, each as 16 bytes in little-endian order.
     pub hash: u128,
 }
 
 impl SourceFile {
     /// A file without buffers beside it.
-    ///
-    /// ```
-    /// use hullmap_import::SourceFile;
-    ///
-    /// let source = SourceFile::alone(b"v 0 0 0".to_vec());
-    /// assert!(source.beside.is_empty());
-    /// assert_ne!(source.hash, SourceFile::alone(b"v 0 0 1".to_vec()).hash);
-    /// ```
     pub fn alone(bytes: Vec<u8>) -> Self {
         let hash = source_hash(&bytes);
         Self { bytes, beside: Vec::new(), hash }
@@ -53,46 +43,15 @@ pub enum ReadError {
 
 impl ReadError {
     /// Whether the file and its buffers exceed [`Limits::input_bytes`].
-    ///
-    /// ```
-    /// # let path = std::env::temp_dir().join(format!("hullmap-import-large-{}.obj", std::process::id()));
-    /// # std::fs::write(&path, "v 1 2 3")?;
-    /// use hullmap_import::{Limits, read};
-    ///
-    /// let limits = Limits { input_bytes: 6, ..Limits::DEFAULT };
-    /// assert!(read("point.obj", &path, &limits).unwrap_err().is_too_large());
-    /// # std::fs::remove_file(&path)?;
-    /// # Ok::<(), std::io::Error>(())
-    /// ```
     pub fn is_too_large(&self) -> bool {
         matches!(self, Self::Import(ImportError { fault: Fault::InputTooLarge { .. }, .. }))
     }
 }
 
-/// Reads a file and the required buffers beside it.
-///
-/// `file` is the name of the file in messages.
-///
-/// ```
-/// # let folder = std::env::temp_dir().join(format!("hullmap-import-read-{}", std::process::id()));
-/// # std::fs::create_dir_all(&folder)?;
-/// # let path = folder.join("point.obj");
-/// # std::fs::write(&path, "v 1 2 3")?;
-/// use hullmap_import::{Limits, ReadError, read};
-///
-/// let source = read("point.obj", &path, &Limits::DEFAULT).expect("the file exists");
-/// assert_eq!(source.bytes, b"v 1 2 3");
-/// let missing = read("none.obj", &folder.join("none.obj"), &Limits::DEFAULT);
-/// assert!(matches!(missing, Err(ReadError::Io(_))));
-/// # std::fs::remove_dir_all(&folder)?;
-/// # Ok::<(), std::io::Error>(())
-/// ```
+/// Reads a file, whose name in messages is `file`, and the required buffers beside it.
 ///
 /// # Errors
 /// The file or a buffer cannot be read or is not a regular file, or they are larger than the limit.
-///
-/// # Complexity
-/// O(bytes).
 pub fn read(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, ReadError> {
     let fault = |LineFault { line, fault }| ReadError::Import(ImportError { file: file.to_owned(), line, fault });
     let mut left = limits.input_bytes;
@@ -122,7 +81,6 @@ pub fn read(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, Read
     Ok(SourceFile { bytes, beside, hash: source_hash(&hashes) })
 }
 
-/// Reads a file that has nothing beside it, of any format.
 pub(crate) fn read_alone(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, ReadError> {
     let bytes = read_bounded(path, &mut limits.input_bytes.clone()).map_err(ReadError::Io)?;
     let too_large = || {
@@ -132,21 +90,11 @@ pub(crate) fn read_alone(file: &str, path: &Path, limits: &Limits) -> Result<Sou
     bytes.map(SourceFile::alone).ok_or_else(too_large)
 }
 
-/// Paths of the required buffers beside a glTF file, for instance to watch them for changes.
-///
-/// The list is empty for other formats, and for a file that is faulty or missing.
-///
-/// ```
-/// let buffers = hullmap_import::buffers_of("meshes/crate.obj".as_ref())?;
-/// assert!(buffers.is_empty());
-/// # Ok::<(), std::io::Error>(())
-/// ```
+/// Paths of the required buffers beside a glTF file, for instance to watch them for changes. Empty
+/// for other formats, and for faulty or missing files.
 ///
 /// # Errors
 /// The file exists but cannot be read.
-///
-/// # Complexity
-/// O(bytes).
 pub fn buffers_of(path: &Path) -> std::io::Result<Vec<PathBuf>> {
     if Format::detect(path, &[]) != Format::Gltf {
         return Ok(Vec::new());
@@ -163,19 +111,13 @@ pub fn buffers_of(path: &Path) -> std::io::Result<Vec<PathBuf>> {
 /// Opens a regular file for reading, also through links. Nothing else is opened: a pipe would
 /// block, a device may never end, and opening one can act on it.
 ///
-/// ```
-/// let error = hullmap_import::open_regular(&std::env::temp_dir()).unwrap_err();
-/// assert_eq!(error.to_string(), "it is a folder, not a regular file");
-/// ```
-///
 /// # Errors
 /// There is no such file, it is not a regular one, or it cannot be opened.
 pub fn open_regular(path: &Path) -> std::io::Result<File> {
     check_regular(&std::fs::metadata(path)?)?;
     let mut options = File::options();
     options.read(true);
-    // The path may name a pipe by now. Opened with this flag, a pipe does not block. Regular files
-    // ignore it.
+    // The path may name a pipe by now, which this flag opens without blocking.
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NONBLOCK);
     let file = options.open(path)?;

@@ -19,16 +19,12 @@ pub struct SceneObject {
     pub node_in_scene: DAffine3,
 }
 
-/// The nodes with meshes in the default scene of a glTF file, in the order and with the names of
-/// the hulls of a pack that is split by object.
-///
-/// `file` is the name of the file in messages, and `stem` the name of objects without one.
+/// The nodes with meshes in the default scene of a glTF file, in the order and with the names of a
+/// pack's hulls that is split by object. `file` is the name of the file in messages, and `stem` the
+/// name of objects without one.
 ///
 /// # Errors
 /// The first fault in the file, as for [`import`](crate::import).
-///
-/// # Complexity
-/// O(bytes + vertices of all instances).
 ///
 /// ```
 /// use hullmap_import::{Limits, SourceFile, scene_objects};

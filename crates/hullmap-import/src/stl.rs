@@ -30,9 +30,8 @@ const TRIANGLE: usize = 50;
 /// Number of bytes within which a text file must contain `facet` or `endsolid`.
 const TEXT_PROBE: usize = 4096;
 
-/// Reads an STL file. `is_double` selects `f64` for the positions of a text file. The error is the
-/// first fault, with its line in a text file, or with its triangle in a binary file. Complexity:
-/// O(bytes).
+/// `is_double` selects `f64` for the positions of a text file. The error has its line in a text
+/// file, or its triangle in a binary file.
 pub fn read(bytes: &[u8], is_double: bool, limits: &Limits) -> Result<SourceMesh, LineFault> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Fault::format("the file is empty; expected an STL file: export it again").of_file());
@@ -72,7 +71,6 @@ pub fn read(bytes: &[u8], is_double: bool, limits: &Limits) -> Result<SourceMesh
     Ok(mesh)
 }
 
-/// Number of triangles that the header of a binary file claims.
 fn triangle_count(bytes: &[u8]) -> Option<u32> {
     bytes.get(HEADER - 4..).and_then(<[u8]>::first_chunk).map(|count| u32::from_le_bytes(*count))
 }
@@ -81,12 +79,10 @@ fn binary_length(triangle_count: u32) -> u64 {
     HEADER as u64 + u64::from(triangle_count) * TRIANGLE as u64
 }
 
-/// Whether the length of a file agrees with the triangle count in the header of a binary file.
 pub fn has_binary_length(bytes: &[u8]) -> bool {
     triangle_count(bytes).map(binary_length) == Some(bytes.len() as u64)
 }
 
-/// Whether a file starts and continues as a text file does.
 fn is_text(bytes: &[u8]) -> bool {
     let start = bytes.trim_ascii_start();
     let start = start.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(start);
@@ -98,12 +94,10 @@ fn is_text(bytes: &[u8]) -> bool {
     is_solid && (has(b"facet") || has(b"endsolid"))
 }
 
-/// A coordinate whose bits identify a position.
 trait MergeKey: Coordinate {
     type Bits: Copy + Eq + Hash;
     /// Bits of the coordinate; both zeros have the same.
     fn key(self) -> Self::Bits;
-    /// Positions of all vertices.
     fn positions(all: Vec<[Self; 3]>) -> Positions;
 }
 
@@ -128,7 +122,6 @@ impl MergeKey for f64 {
     }
 }
 
-/// Gives equal positions the same vertex index.
 struct VertexMerger<T: MergeKey> {
     positions: Vec<[T; 3]>,
     indices: HashMap<[T::Bits; 3], u32>,

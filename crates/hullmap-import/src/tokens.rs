@@ -18,12 +18,10 @@ impl<'a> Tokens<'a> {
         self.line
     }
 
-    /// Bytes not read yet.
     pub fn rest(&self) -> &'a [u8] {
         self.rest
     }
 
-    /// The next word.
     pub fn next(&mut self) -> Option<&'a [u8]> {
         while let [first, tail @ ..] = self.rest {
             match first {
@@ -43,7 +41,6 @@ impl<'a> Tokens<'a> {
         None
     }
 
-    /// The next word of the current line, or `None` if the line has no more.
     pub fn next_in_line(&mut self) -> Option<&'a [u8]> {
         let blank = self.rest.iter().take_while(|b| matches!(b, b' ' | b'\t' | 0x0B | 0x0C)).count();
         let (_, rest) = self.rest.split_at(blank);
@@ -51,7 +48,6 @@ impl<'a> Tokens<'a> {
         if matches!(rest, [] | [b'\n' | b'\r', ..]) { None } else { self.next() }
     }
 
-    /// Skips line endings and white space up to the next word.
     pub fn skip_blank(&mut self) {
         let mut ahead = self.clone();
         if let Some(word) = ahead.next() {
@@ -63,7 +59,6 @@ impl<'a> Tokens<'a> {
         }
     }
 
-    /// Rest of the line, without surrounding white space.
     pub fn rest_of_line(&mut self) -> &'a [u8] {
         let end = self.rest.iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(self.rest.len());
         let (line, tail) = self.rest.split_at(end);

@@ -33,7 +33,7 @@
 //! with hullmap's solver and manifolds, and casts of shapes that turn. In Rapier:
 //! `NarrowPhase::with_query_dispatcher(HullDispatcher)`.
 //!
-//! # What engines cannot do with custom shapes
+//! # Limits of engines with custom shapes
 //!
 //! - Debug rendering draws nothing. Draw the mesh of [`BakedHull::to_trimesh`] or
 //!   [`BakedSurface::to_trimesh`].
@@ -46,7 +46,7 @@
 //! # Features of the crate
 //!
 //! - `f32` (default): for `parry3d`. The root of this crate re-exports the module [`f32`](mod@f32).
-//! - `f64`: for `parry3d-f64`. The same items are in the module `f64`. Both may be on.
+//! - `f64`: for `parry3d-f64`, with the same items in the module `f64`. Both may be on.
 //! - `dispatcher`: `HullDispatcher`, which solves pairs that have a baked hull with hullmap.
 //! - `serde`: `SavedShape`, for saving and loading shapes with baked hulls.
 //!
@@ -73,7 +73,6 @@ pub mod f64;
 #[cfg(feature = "f32")]
 pub use self::f32::*;
 
-/// The examples of the README.
 #[cfg(all(doctest, feature = "f32"))]
 #[doc = include_str!("../README.md")]
 pub struct Readme;

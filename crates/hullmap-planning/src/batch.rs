@@ -95,7 +95,6 @@ impl Robot {
         })
     }
 
-    /// The rows of an array with a number for each joint.
     fn rows<'q>(&self, q: &'q [f64], count: usize) -> Result<impl Fn(usize) -> &'q [f64] + Sync, PlanningError> {
         let width = self.joint_count();
         if q.len() != width * count {

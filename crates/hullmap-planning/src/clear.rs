@@ -2,9 +2,8 @@
 //!
 //! # Steps
 //! 1. Test both ends. An end that certainly touches is a hit.
-//! 2. For an interval of the edge, compute the configuration in its middle, and a bound on how far
-//!    each body moves from there (`motion_bound`). A pair whose distance exceeds the motion of both
-//!    is apart in the whole interval.
+//! 2. In the middle of an interval, bound how far each body moves from there (`motion_bound`). A
+//!    pair whose distance exceeds the motion of both is apart in the whole interval.
 //! 3. Test the remaining pairs in both halves of the interval, the earlier half first.
 //! 4. If the edge is free, but the proven clearance is low, repeat with a higher target.
 //!
@@ -18,19 +17,16 @@ use crate::memory::Memory;
 use crate::motion_bound::motions;
 use crate::robot::{BodyOrObstacle, Robot};
 
-/// Maximum number of times that an interval is halved. Then a link of a metre moves by less than a
-/// picometre for each radian of the edge.
+/// Maximum number of halvings: a link of a metre then moves by less than a picometre per radian.
 const MAX_DEPTH: u32 = 40;
 
-/// Settings of the distances.
 const DISTANCES: Settings = Settings { tolerance: 1e-3, max_iterations: Settings::DEFAULT_MAX_ITERATIONS };
 
 /// Settings of a distance that decides whether a pair is within the margin: with a tolerance, pairs
 /// near the margin would be undecided for longer than the resolution.
 const EXACT: Settings = Settings { tolerance: 0.0, ..DISTANCES };
 
-/// Greatest share of the least distance that a clearance is proven for: at 1, there would be no
-/// room for motion.
+/// Greatest share of the least distance for a clearance: 1 leaves no room for motion.
 const MAX_SHARE: f64 = 0.95;
 
 /// Settings of [`Robot::clear`]: what it proves, and at what cost.
@@ -39,9 +35,8 @@ pub struct EdgeSettings {
     /// Pairs that come within this distance hit each other: a length, 0 by default. NaN and
     /// negative values count as 0.
     pub margin: f64,
-    /// The interval of the first hit is at most this wide, or its status is not
-    /// [`Within`](Status::Within). It is a share of the edge; the default is 1e-3. NaN and negative
-    /// values count as 0.
+    /// The interval of the first hit is at most this share of the edge, or its status is not
+    /// [`Within`](Status::Within). The default is 1e-3. NaN and negative values count as 0.
     pub resolution: f64,
     /// The clearance of a free edge is at least this share of the least distance that was computed,
     /// or its status is not [`Within`](Status::Within). The default is 0.5. 0 saves the second
@@ -116,7 +111,6 @@ impl Robot {
             magnitudes = [magnitudes[0] + own[0], magnitudes[1] + own[1]];
             search.try_end(t, memory);
             if search.until == 0.0 {
-                // The other end is checked, too.
                 self.place(end, memory)?;
                 return Ok(search.answer(settings));
             }
@@ -140,14 +134,13 @@ impl Robot {
     }
 }
 
-/// A search along an edge.
 struct EdgeSearch<'s> {
     robot: &'s Robot,
     ends: [&'s [f64]; 2],
     /// Sums of the displacements of both ends, for rounding errors.
     magnitudes: [f64; 2],
     margin: f64,
-    /// Share of the least distance that pairs are to be proven to exceed; 0 at first.
+    /// Share of the least distance to prove for each pair; 0 at first.
     share: f64,
     resolution: f64,
     budget: u32,
@@ -155,9 +148,8 @@ struct EdgeSearch<'s> {
     until: f64,
     /// The start of the first interval that is not decided.
     open_from: Option<f64>,
-    /// Pairs are proven to be farther apart than this.
+    /// Proven distance of all pairs.
     clearance: f64,
-    /// The least upper bound of a distance, and its pair.
     nearest: (f64, Option<usize>),
     hit: Option<usize>,
 }
@@ -190,7 +182,7 @@ impl EdgeSearch<'_> {
         self.visit([0.0, 1.0], MAX_DEPTH, count, memory);
     }
 
-    /// The distance that pairs are to be proven to exceed. It never rises.
+    /// The distance to prove for each pair. It never rises.
     fn target(&self) -> f64 {
         if self.share > 0.0 { self.margin.max(self.share * self.nearest.0) } else { self.margin }
     }
@@ -291,7 +283,6 @@ impl EdgeSearch<'_> {
         self.proves(found.lower - motion)
     }
 
-    /// Records a bound of a distance, if it exceeds the target.
     fn proves(&mut self, least: f64) -> bool {
         // NaN takes the failing branch.
         let is_proof = least > self.target();
@@ -326,7 +317,6 @@ impl EdgeSearch<'_> {
         Queried { lower: gap.lower - noise, is_hit }
     }
 
-    /// The status of a search that did not find what was requested.
     fn stopped(&self) -> Status {
         if self.budget == 0 { Status::IterationLimit } else { Status::Stalled }
     }
@@ -358,7 +348,6 @@ impl EdgeSearch<'_> {
     }
 }
 
-/// A pair at one time.
 struct Queried {
     /// Lower bound of its distance, with allowance for rounding.
     lower: f64,

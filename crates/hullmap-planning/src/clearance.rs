@@ -1,10 +1,9 @@
 //! The clearance of a robot in one configuration, and its derivatives: the distance of the nearest
 //! pair, or minus the depth of the deepest pair.
 //!
-//! # Steps
-//! 1. Compute a lower bound of the distance of each couple of links, from the balls around them.
-//! 2. Compute the distance of the couple with the least bound, then of all couples whose bound is
-//!    lower than the least distance so far.
+//! 1. Bound the distance of each couple of links from below, by the balls around them.
+//! 2. Compute the distance of the couple with the least bound, then of all with lower bounds than
+//!    the least distance.
 //! 3. If bodies overlap, compute the depths of all pairs whose balls overlap.
 
 use glam::DVec3;
@@ -19,10 +18,8 @@ use crate::robot::{BodyOrObstacle, Robot};
 /// Clearance of a robot in a configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RobotClearance {
-    /// Lower bound of the clearance of the robot, with allowance for rounding: no pair is nearer.
-    ///
-    /// The clearance is the least distance of all pairs that are tested. If pairs overlap, it is
-    /// the negative depth of the deepest pair. It is infinite if there is no pair.
+    /// Lower bound of the clearance, with allowance for rounding: the least distance of all tested
+    /// pairs, minus the depth of the deepest one if pairs overlap, or infinity without pairs.
     pub lower: f64,
     /// Upper bound: the pair that decides is at most this far apart.
     pub upper: f64,
@@ -32,8 +29,7 @@ pub struct RobotClearance {
     pub status: Status,
     /// Unit vector from the first collider to the second one, in the world.
     pub normal: DVec3,
-    /// Points of the colliders that are closest to each other, or deepest inside of each other, in
-    /// the world.
+    /// Points of the colliders that are closest to each other, or deepest inside, in the world.
     pub points: [DVec3; 2],
 }
 
@@ -55,14 +51,12 @@ impl Default for RobotClearance {
     }
 }
 
-/// The pair that decides.
 #[derive(Clone, Copy)]
 enum Answer {
     Apart(Found<Distance>),
     Overlapping(Found<Contact>),
 }
 
-/// The pair that decides, and bounds over all pairs.
 struct Decided {
     pair: usize,
     answer: Answer,
@@ -72,7 +66,6 @@ struct Decided {
     is_tied: bool,
 }
 
-/// The least lower bounds of two pairs.
 struct Least {
     first: (f64, usize),
     second: f64,
@@ -90,7 +83,6 @@ impl Least {
         }
     }
 
-    /// The least bound of the pairs other than this one.
     fn of_others(&self, pair: usize) -> f64 {
         if self.first.1 == pair { self.second } else { self.first.0 }
     }
@@ -129,9 +121,8 @@ impl Robot {
         Ok(self.decide(settings, memory).map_or(RobotClearance::NO_PAIR, |found| self.answer(&found, memory)))
     }
 
-    /// The clearance in a configuration, and its derivatives by the numbers of the configuration,
-    /// which are written to `gradient`: metres for each radian of a hinge and for each metre of a
-    /// slider.
+    /// The clearance in a configuration, and its derivatives by the configuration's numbers, in
+    /// `gradient`: metres for each radian of a hinge and for each metre of a slider.
     ///
     /// If the status is not [`Unique`](Differentiability::Unique), they are only a direction for an
     /// optimiser, not derivatives: see [`Derivatives`]. If another pair is equally near within the
@@ -170,7 +161,6 @@ impl Robot {
         Ok((answer, if is_tied { Differentiability::Normals } else { found.status }))
     }
 
-    /// The pair that decides, for the current places of the links.
     fn decide(&self, settings: &Settings, memory: &mut Memory) -> Option<Decided> {
         let gap = |couple: usize, memory: &Memory| self.couple_gap(&self.couples[couple], memory);
         let count = self.couples.len();

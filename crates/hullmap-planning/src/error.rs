@@ -7,82 +7,46 @@ use hullmap_robot::RobotError;
 
 /// Why a robot cannot be built or queried.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum PlanningError {
     /// The description cannot be read, or is invalid.
     #[error(transparent)]
     Description(#[from] RobotError),
     /// A collision has no shape that can be queried.
     #[error("{}:{line}: link `{link}`: {cause}", file.display())]
-    Collision {
-        /// The description.
-        file: PathBuf,
-        /// The line of the collision in it.
-        line: u32,
-        /// The name of the link.
-        link: String,
-        /// The cause, and what to do.
-        cause: String,
-    },
+    Collision { file: PathBuf, line: u32, link: String, cause: String },
     /// A folder of packs does not exist.
     #[error("{}: no such folder; name folders of packs that `bake` has written, or none", folder.display())]
-    NoSuchFolder {
-        /// The folder.
-        folder: PathBuf,
-    },
+    NoSuchFolder { folder: PathBuf },
     /// No link and no obstacle has this name.
     #[error("`{name}` is neither a link with a collision nor an obstacle; there are {}", listed(known))]
     UnknownName {
-        /// The name.
         name: String,
         /// Some of the known names.
         known: Vec<String>,
     },
     /// An obstacle has a name that is in use.
     #[error("obstacle `{name}` has the name of another obstacle or of a link; choose another one")]
-    NameInUse {
-        /// The name.
-        name: String,
-    },
+    NameInUse { name: String },
     /// A configuration has too few or too many numbers.
     #[error("a configuration has {expected} numbers, one for each joint, found {found}")]
-    JointCount {
-        /// Number of joints.
-        expected: usize,
-        /// Number of values.
-        found: usize,
-    },
+    JointCount { expected: usize, found: usize },
     /// The poses of links are too few or too many.
     #[error("there are {expected} links, found {found} poses; pass the pose of each link in the world")]
-    LinkCount {
-        /// Number of links.
-        expected: usize,
-        /// Number of poses.
-        found: usize,
-    },
+    LinkCount { expected: usize, found: usize },
     /// A link is too far away for a pose.
     #[error("link `{link}`: {error}")]
-    LinkPose {
-        /// The name of the link.
-        link: String,
-        /// The cause.
-        error: PoseError,
-    },
+    LinkPose { link: String, error: PoseError },
     /// Some geometry is not tested, which [`Robot::strict`](crate::Robot::strict) does not accept.
     #[error("{}: {}{}; change the description, or read it without `strict`", file.display(), causes[0], others(causes))]
     Untested {
-        /// The description.
         file: PathBuf,
-        /// What is not tested, and why; at least one.
+        /// The untested collisions and the reasons; at least one.
         causes: Vec<String>,
     },
     /// A joint's position is NaN or out of range.
     #[error("joint `{joint}`: {value} is no position; pass finite numbers below 1e15")]
-    Position {
-        /// The name of the joint.
-        joint: String,
-        /// The value.
-        value: f64,
-    },
+    Position { joint: String, value: f64 },
 }
 
 fn listed(names: &[String]) -> String {

@@ -7,9 +7,8 @@ use crate::memory::Memory;
 use crate::robot::Robot;
 
 impl Robot {
-    /// Whether two links that are tested, or a link and an obstacle, touch or are within `margin`
-    /// of each other. Pairs that only touch, and pairs that the solver cannot decide, count as
-    /// touching. NaN and negative margins count as 0.
+    /// Whether two tested links, or a link and an obstacle, touch or are within `margin` of each
+    /// other. Touching and undecided pairs count. NaN and negative margins count as 0.
     ///
     /// # Errors
     /// The length of `q` is not the number of joints, or a number is out of range.
@@ -44,7 +43,6 @@ impl Robot {
         Ok(couples.map(|couple| self.colliders_of(couple.pairs.start)).collect())
     }
 
-    /// The first pair that touches, for the current places of the links.
     fn touching_pair(&self, margin: f64, memory: &mut Memory) -> Option<usize> {
         let margin = margin.max(0.0);
         let last = memory.last;

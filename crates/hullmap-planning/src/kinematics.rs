@@ -11,20 +11,16 @@
 use glam::{DQuat, DVec3};
 use hullmap_robot::{Chain, Coupling, Frame, Motion};
 
-/// A joint, with the data that places its link.
 #[derive(Clone, Debug)]
 pub struct Joint {
-    /// How it moves its link.
     pub motion: Motion,
     axis: DVec3,
     anchor: DVec3,
     reference: f64,
     coupling: Option<Coupling>,
-    /// Its index among the numbers of a configuration.
     variable: Option<usize>,
 }
 
-/// A link that has joints, or a root.
 #[derive(Clone, Debug)]
 struct Mover {
     parent: Option<usize>,
@@ -45,31 +41,25 @@ struct Carried {
     length: f64,
 }
 
-/// The kinematics of a chain.
 #[derive(Clone, Debug)]
 pub struct Kinematics {
     movers: Vec<Mover>,
     joints: Vec<Joint>,
     /// The joints that follow others, leaders first.
     followers: Vec<usize>,
-    /// The joint of each number of a configuration.
     variables: Vec<usize>,
     links: Vec<Carried>,
     /// For each mover, the hinges and sliders from the root to it.
     paths: Vec<Vec<usize>>,
 }
 
-/// Where everything is in one configuration.
 #[derive(Clone, Debug, Default)]
 pub struct Placement {
-    /// The displacement of each joint from its reference.
     displacements: Vec<f64>,
     movers: Vec<Frame>,
     /// Axis of each joint, and a point of it, in the world.
     pub axes: Vec<[DVec3; 2]>,
-    /// Sum of the angles of all hinges.
     turn: f64,
-    /// Sum of the displacements of all sliders.
     slide: f64,
 }
 
@@ -79,8 +69,7 @@ impl Placement {
         [self.turn, self.slide]
     }
 
-    /// Counts rounding errors as for these magnitudes: of the ends of an edge, if this
-    /// configuration is between them.
+    /// Counts rounding errors as for an edge with these magnitudes at its ends.
     pub fn set_magnitudes(&mut self, [turn, slide]: [f64; 2]) {
         (self.turn, self.slide) = (turn, slide);
     }
@@ -94,7 +83,6 @@ const STEP_ROUNDINGS: f64 = 128.0;
 const TURN_ROUNDINGS: f64 = 4.0;
 
 impl Kinematics {
-    /// The kinematics of a chain.
     pub fn new(chain: &Chain) -> Self {
         let mut variables = Vec::new();
         let mut joints = Vec::new();
@@ -111,7 +99,6 @@ impl Kinematics {
         own
     }
 
-    /// Adds links, parents first.
     fn add_links(&mut self, chain: &Chain) {
         let mut joints_of = vec![Vec::new(); chain.links.len()];
         chain.joints.iter().enumerate().for_each(|(index, joint)| joints_of[joint.link].push(index));
@@ -161,7 +148,6 @@ impl Kinematics {
         &self.variables
     }
 
-    /// A joint.
     pub fn joint(&self, joint: usize) -> &Joint {
         &self.joints[joint]
     }
@@ -171,11 +157,8 @@ impl Kinematics {
         &self.paths[self.links[link].mover]
     }
 
-    /// Places everything for a configuration.
-    ///
-    /// # Complexity
-    /// O(joints). A sine and a cosine for each hinge, of `libm`, which has the same bits on all
-    /// platforms. No allocation after the first call.
+    /// Places everything for a configuration, in O(joints): a sine and a cosine of `libm` for each
+    /// hinge, with the same bits everywhere. No allocation after the first call.
     pub fn place(&self, q: &[f64], out: &mut Placement) {
         out.displacements.clear();
         let own = |joint: &Joint| joint.variable.map_or(0.0, |variable| q[variable] - joint.reference);
@@ -218,9 +201,8 @@ impl Kinematics {
         if *in_mover == Frame::IDENTITY { frame } else { frame * *in_mover }
     }
 
-    /// Upper bound of the rounding error of the position of any point that is within `reach` of a
-    /// link's origin: a length. It covers two more compositions, of the point's own frame and of a
-    /// relative pose.
+    /// Upper bound of the rounding error of points within `reach` of a link's origin: a length. It
+    /// covers two more compositions, with the point's own frame and a relative pose.
     pub fn noise(&self, link: usize, reach: f64, at: &Placement) -> f64 {
         let Carried { steps, length, .. } = self.links[link];
         let units = STEP_ROUNDINGS * (steps + 3.0) + TURN_ROUNDINGS * (at.turn + at.slide);
@@ -260,20 +242,17 @@ pub fn noise_of_pose(length: f64) -> f64 {
     3.0 * STEP_ROUNDINGS * f64::EPSILON * length
 }
 
-/// The rotation about a unit axis.
 fn turn(axis: DVec3, angle: f64) -> DQuat {
     let (sine, cosine) = (libm::sin(0.5 * angle), libm::cos(0.5 * angle));
     DQuat::from_xyzw(axis.x * sine, axis.y * sine, axis.z * sine, cosine)
 }
 
-/// The derivative of a coupling.
 fn slope(coupling: &Coupling, leader: f64) -> f64 {
     let terms = coupling.coefficients.iter().enumerate().skip(1).rev();
     terms.fold(0.0, |sum, (degree, coefficient)| sum * leader + degree as f64 * coefficient)
 }
 
-/// Upper bound of the magnitude of the derivative of a coupling while the leader is within
-/// `greatest` of its reference.
+/// Bound on the slope of a coupling while the leader is within `greatest` of its reference.
 fn steepest(coupling: &Coupling, greatest: f64) -> f64 {
     let magnitudes = Coupling { coefficients: coupling.coefficients.map(f64::abs), ..*coupling };
     slope(&magnitudes, greatest)

@@ -2,8 +2,7 @@
 //!
 //! A [`Robot`] is read from a URDF, MJCF or SDF file. For a configuration of its joints, queries
 //! return whether it touches itself or an obstacle, and its clearance, with the pair that decides
-//! and the derivatives with respect to the joints. For an edge in joint space, they prove whether
-//! all of its configurations are free.
+//! and the derivatives. For an edge in joint space, they prove whether all configurations are free.
 //!
 //! | module | concept |
 //! |---|---|

@@ -11,29 +11,23 @@ use crate::queries::Caches;
 /// rounding error. Use one for each thread.
 pub struct Memory {
     pub(crate) at: Placement,
-    /// The frame of each link with bodies.
     pub(crate) links: Vec<Frame>,
-    /// The centre of the ball around each link.
     pub(crate) centres: Vec<DVec3>,
     /// Upper bounds of the rounding error of the points of each link.
     pub(crate) noise: Vec<f64>,
     pub(crate) caches: Caches,
-    /// The pair that decided the last query.
     pub(crate) last: usize,
     pub(crate) edge: EdgeMemory,
 }
 
-/// Memory of a search along an edge.
 #[derive(Default)]
 pub(crate) struct EdgeMemory {
     pub(crate) q: Vec<f64>,
-    /// Upper bound of the change of each joint's displacement.
     pub(crate) spans: Vec<f64>,
     /// Upper bounds of the motion of each body due to a joint of its path and all later ones.
     pub(crate) motions: Vec<Vec<f64>>,
     /// The interval for which each body's bounds hold.
     pub(crate) stamps: Vec<u64>,
-    /// The interval.
     pub(crate) stamp: u64,
     /// Pairs that are not proven to be apart, of the intervals that are open.
     pub(crate) open: Vec<u32>,

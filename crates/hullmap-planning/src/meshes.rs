@@ -15,9 +15,8 @@ use crate::convex::hull_of;
 
 /// The source of the hulls of meshes.
 ///
-/// The pack of `meshes/hand.stl` is the file `hand.hullmap` in one of the folders, if there is one.
-/// It must have been baked from that mesh. Without a pack, the mesh is read, and replaced by its
-/// convex hull.
+/// The pack of `meshes/hand.stl` is the file `hand.hullmap` in one of the folders, baked from that
+/// mesh. Otherwise, the mesh is read, and replaced by its convex hull.
 #[derive(Default)]
 pub struct Packs {
     /// Folders of packs, the first one first.

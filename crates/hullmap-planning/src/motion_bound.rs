@@ -16,19 +16,16 @@ use hullmap_robot::{Frame, Motion};
 
 use crate::kinematics::{Kinematics, Placement};
 
-/// Covers the rounding of sums and products: a hundred joints take fewer than 1000 of them, each of
-/// at most 1.2e-16 of the result.
+/// For rounding: a hundred joints take fewer than 1000 sums and products of 1.2e-16 each.
 const ROUNDED_UP: f64 = 1.0 + 1e-12;
 
 /// A turn moves no point farther than the diameter of its circle.
 const MAX_CHORD: f64 = 2.0;
 
-/// Writes to `out`, for each joint of `path`, the maximum motion of points of a box due to that
-/// joint and all later ones, in the frame before it; then 0. `spans` bounds how far the
-/// displacement of each joint is from its displacement at `at`.
-///
-/// `frame` is the box's frame in the world, `bounds` its centre and half edges, and `noise` bounds
-/// the rounding error of its position.
+/// Writes to `out`, for each joint of `path`, the maximum motion of points of a box due to it and
+/// all later ones, in the frame before it; then 0. `spans` bounds the change of each joint's
+/// displacement from `at`. `frame` is the box's frame in the world, `bounds` its centre and half
+/// edges, and `noise` bounds the rounding error of its position.
 pub(crate) fn motions(
     (kinematics, path): (&Kinematics, &[usize]),
     (frame, bounds, noise): (Frame, [DVec3; 2], f64),
@@ -57,7 +54,6 @@ pub(crate) fn motions(
     }
 }
 
-/// The greatest distance of a corner of a box from an axis through the origin.
 fn farthest(centre: DVec3, edges: [DVec3; 3], axis: DVec3) -> f64 {
     let across = |v: DVec3| v - axis * axis.dot(v);
     let (centre, [x, y, z]) = (across(centre), edges.map(across));

@@ -17,8 +17,7 @@ pub enum ObstacleShape {
     Convex(Convex),
     /// The union of all hulls of a pack.
     Compound(Arc<Pack>),
-    /// A triangle mesh or a height field. The inside of a mesh, and the space below a field, are
-    /// free.
+    /// A triangle mesh or a height field, which has no inside.
     Sheet(SharedSheet),
     /// A half-space.
     HalfSpace(HalfSpace),
@@ -35,7 +34,6 @@ pub struct Obstacle {
     pub pose: Pose,
 }
 
-/// An obstacle, with facts that are computed once.
 #[derive(Clone)]
 pub(crate) struct Placed {
     pub(crate) obstacle: Obstacle,
@@ -78,7 +76,6 @@ impl Placed {
         match (&self.obstacle.shape, self.bounds) {
             (ObstacleShape::HalfSpace(plane), _) => plane.normal().dot(local) - plane.offset() - radius,
             (_, Some([min, max])) => local.distance(local.clamp(min, max)) - radius,
-            // Nothing is known.
             _ => f64::NEG_INFINITY,
         }
     }

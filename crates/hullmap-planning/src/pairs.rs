@@ -15,7 +15,6 @@ use crate::error::PlanningError;
 use crate::robot::{BodyOrObstacle, BodyPair, Couple, Robot};
 use crate::skipped::Skipped;
 
-/// Number of names in messages.
 const NAMES_SHOWN: usize = 12;
 
 /// Pairs of collisions of two links, each an index of its link's collisions.
@@ -88,7 +87,6 @@ impl Robot {
         names.enumerate().map(|(index, name)| (name, index)).collect()
     }
 
-    /// Lists the pairs that are tested.
     pub(crate) fn list_pairs(&mut self) {
         let (mut pairs, mut couples) = (Vec::new(), Vec::new());
         let mut add = |a: BodyOrObstacle, b: usize, own: Vec<BodyPair>| {
@@ -125,8 +123,7 @@ impl Robot {
         (0..self.links.len()).filter(|link| !self.of_link[*link].is_empty())
     }
 
-    /// Pairs of links with bodies, the lower one first. A link is its own partner only if MJCF
-    /// pairs its geoms.
+    /// The lower link is first. A link is its own partner only if MJCF pairs its geoms.
     fn pairs_of_links(&self) -> impl Iterator<Item = [usize; 2]> {
         let links = self.links_with_bodies();
         links
@@ -135,12 +132,10 @@ impl Robot {
             .filter(|[a, b]| a != b || self.filter.pairs_within(*a))
     }
 
-    /// The collisions of a link that have bodies, as indices of its collisions.
     fn shapes_of(&self, link: usize) -> BTreeSet<usize> {
         self.of_link[link].clone().map(|body| self.bodies[body].shape).collect()
     }
 
-    /// The pairs of collisions of two links that are not tested.
     fn skipped_shapes(&self, links @ [a, b]: [usize; 2]) -> BTreeMap<Shapes, SkipReason> {
         let allowed = self.allowed.get(&links);
         let of_links = self.filter.links(links);
@@ -154,11 +149,8 @@ impl Robot {
         skipped.collect()
     }
 
-    /// Pairs and geometry that are not tested, with the reasons. A pair of links is listed once if
-    /// none of its geoms are tested, for one reason; else, each pair of geoms is.
-    ///
-    /// # Complexity
-    /// O(p) for p pairs of geoms.
+    /// Pairs and geometry that are not tested, with reasons. A pair of links is listed once if one
+    /// reason holds for all its geoms; else, each pair of geoms is. O(p) for p pairs of geoms.
     pub fn skipped(&self) -> Vec<Skipped> {
         let mut found = self.skipped_geometry.clone();
         for links @ [a, b] in self.pairs_of_links().filter(|[a, b]| a != b) {

@@ -9,13 +9,11 @@ use hullmap::{Cache, Compound, CompoundCache, Contact, Derivatives, Distance, Ov
 use crate::convex::{AnyShape, Convex};
 use crate::obstacle::ObstacleShape;
 
-/// Maximum number of parts of obstacles that a body's cache keeps.
 const MAX_PARTS: usize = 16;
 
-/// Maximum number of bodies and obstacles with parts that have a cache.
 const MAX_PAIRS: usize = 32;
 
-/// What a body may touch.
+/// The other side of a query of a body.
 #[derive(Clone, Copy)]
 pub(crate) enum Other<'o> {
     Convex(&'o Convex),
@@ -35,14 +33,12 @@ impl<'o> From<&'o ObstacleShape> for Other<'o> {
     }
 }
 
-/// Caches of pairs, by their indices.
 pub(crate) struct Caches {
     convex: CompoundCache,
     parts: Vec<(usize, CompoundCache)>,
 }
 
 impl Caches {
-    /// Caches of at most `pairs` convex pairs.
     pub(crate) fn new(pairs: usize) -> Self {
         Self { convex: CompoundCache::new(pairs), parts: Vec::new() }
     }
@@ -65,7 +61,6 @@ impl Caches {
     }
 }
 
-/// A pair whose B is a body at `b_in_a`.
 pub(crate) struct Pairing<'q> {
     pub(crate) index: usize,
     pub(crate) a: Other<'q>,
@@ -74,7 +69,6 @@ pub(crate) struct Pairing<'q> {
     pub(crate) b_in_a: Option<Pose>,
 }
 
-/// An answer, and the part of A that it belongs to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Found<T> {
     pub(crate) answer: T,
@@ -87,7 +81,6 @@ impl<T> From<compound::CompoundAnswer<T>> for Found<T> {
     }
 }
 
-/// A distance without information.
 const UNKNOWN: Distance = Distance {
     status: Status::Stalled,
     distance: 0.0,
@@ -139,7 +132,6 @@ impl Pairing<'_> {
 
     pub(crate) fn contact(&self, settings: &Settings, caches: &mut Caches) -> Found<Contact> {
         let alone = |answer| Found { answer, part: 0 };
-        // A contact without information.
         let Some(b_in_a) = self.b_in_a else { return alone(Contact::default()) };
         let apart = alone(Contact { hit: false, status: Status::Separated, depth_upper: 0.0, ..Contact::default() });
         match (self.a, self.b) {
@@ -161,7 +153,6 @@ impl Pairing<'_> {
         }
     }
 
-    /// Derivatives of a distance in A's frame. `None` if there is no such pair.
     pub(crate) fn distance_derivatives(&self, found: &Found<Distance>) -> Option<Derivatives> {
         let b_in_a = self.b_in_a?;
         let (own, b) = (&found.answer, self.b.shape());
@@ -177,7 +168,6 @@ impl Pairing<'_> {
         })
     }
 
-    /// Derivatives of a depth in A's frame. `None` if there is no such pair.
     pub(crate) fn contact_derivatives(
         &self,
         found: &Found<Contact>,
@@ -216,10 +206,9 @@ fn negative(derivative: hullmap::PoseDerivative) -> hullmap::PoseDerivative {
     hullmap::PoseDerivative { linear: -derivative.linear, angular: -derivative.angular }
 }
 
-/// Derivatives for a plane with this normal through `foot`, the foot of the lowest point of `b`:
-/// computed for the face of a box there, since a half-space has no support mapping. The derivatives
-/// with respect to the pose of A are about the foot; they do not matter, since obstacles do not
-/// move.
+/// Derivatives for a plane with this normal through `foot`, the foot of the lowest point of `b`, by
+/// the face of a box there: a half-space has no support mapping. Derivatives by the pose of A are
+/// about the foot; obstacles do not move.
 fn on_face(
     normal: DVec3,
     foot: DVec3,

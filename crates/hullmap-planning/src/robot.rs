@@ -18,17 +18,14 @@ use crate::obstacle::{Obstacle, Placed};
 use crate::queries::{Caches, Other, Pairing};
 use crate::skipped::{Skipped, named};
 
-/// Greatest magnitude of a joint's position.
 const MAX_POSITION: f64 = 1e15;
 
 /// Number of convex pairs whose last configuration is remembered: about 1.4 MB.
 const MAX_CACHED: usize = 1024;
 
-/// A convex body of a link.
 #[derive(Clone)]
 pub(crate) struct Body {
     pub(crate) link: usize,
-    /// Its index among the collisions of the link.
     pub(crate) shape: usize,
     pub(crate) convex: Convex,
     /// Its frame in the link's.
@@ -52,14 +49,13 @@ impl Body {
     }
 }
 
-/// What a body may touch: another body, or an obstacle.
+/// The other side of a pair: a body, or an obstacle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum BodyOrObstacle {
     Body(usize),
     Obstacle(usize),
 }
 
-/// A pair of convex bodies, or of an obstacle and a body.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BodyPair {
     pub(crate) a: BodyOrObstacle,
@@ -68,10 +64,8 @@ pub(crate) struct BodyPair {
     pub(crate) shared: usize,
 }
 
-/// The pairs of two links, or of an obstacle and a link.
 #[derive(Clone, Debug)]
 pub(crate) struct Couple {
-    /// The link or the obstacle, and the link.
     pub(crate) a: BodyOrObstacle,
     pub(crate) b: usize,
     pub(crate) pairs: Range<usize>,
@@ -97,27 +91,21 @@ pub struct JointFacts {
 /// ([`allow`](Self::allow), [`disallow`](Self::disallow)). [`skipped`](Self::skipped) lists all
 /// that is not tested.
 ///
-/// Lengths are in metres and angles in radians, as in the description. The world is the frame of
-/// the description's root.
+/// Lengths are in metres and angles in radians. The world is the frame of the description's root.
 #[derive(Clone)]
 pub struct Robot {
     pub(crate) links: Vec<String>,
     pub(crate) joints: Vec<JointFacts>,
     pub(crate) kinematics: Kinematics,
     pub(crate) bodies: Arc<Vec<Body>>,
-    /// The file of the description.
     pub(crate) file: PathBuf,
-    /// The bodies of each link.
     pub(crate) of_link: Vec<Range<usize>>,
-    /// The names of the collisions of each link.
     pub(crate) geoms: Vec<Vec<String>>,
     /// A ball around each link, in its frame.
     balls: Vec<(DVec3, f64)>,
-    /// The pairs that the description lets collide.
     pub(crate) filter: CollisionFilter,
     /// Whether pairs of colliders may collide, where that is not for the filter to decide.
     pub(crate) allowed: BTreeMap<[usize; 2], bool>,
-    /// Geometry that is never tested.
     pub(crate) skipped_geometry: Vec<Skipped>,
     pub(crate) obstacles: Vec<Placed>,
     pub(crate) pairs: Vec<BodyPair>,
@@ -271,8 +259,8 @@ impl Robot {
         self.list_pairs();
     }
 
-    /// Memory for queries of this robot, by one thread. It must not be used after obstacles or
-    /// allowed pairs have changed.
+    /// Memory for queries of this robot by one thread. It is invalid after obstacles or allowed
+    /// pairs have changed.
     pub fn memory(&self) -> Memory {
         Memory {
             at: Default::default(),
@@ -289,16 +277,11 @@ impl Robot {
         }
     }
 
-    /// Number of joints from the root that move both links.
     pub(crate) fn shared_joints(&self, [a, b]: [usize; 2]) -> usize {
         let [a, b] = [a, b].map(|link| self.kinematics.path(link));
         a.iter().zip(b).take_while(|(a, b)| a == b).count()
     }
 
-    /// Places all links for a configuration.
-    ///
-    /// # Errors
-    /// It has another length, or a number is out of range.
     pub(crate) fn place(&self, q: &[f64], memory: &mut Memory) -> Result<(), PlanningError> {
         if q.len() != self.joints.len() {
             return Err(PlanningError::JointCount { expected: self.joints.len(), found: q.len() });
@@ -312,7 +295,6 @@ impl Robot {
         Ok(())
     }
 
-    /// Places the links for the joints' positions in memory.
     pub(crate) fn place_links(&self, memory: &mut Memory) {
         for (link, (centre, radius)) in self.links_with_balls() {
             let frame = self.kinematics.link(link, &memory.at);
@@ -336,10 +318,6 @@ impl Robot {
         (0..self.links.len()).map(pose).collect()
     }
 
-    /// Places all links at poses in the world, which the caller has from another program.
-    ///
-    /// # Errors
-    /// There are more or fewer poses than links.
     pub(crate) fn place_at(&self, poses: &[Pose], memory: &mut Memory) -> Result<(), PlanningError> {
         if poses.len() != self.links.len() {
             return Err(PlanningError::LinkCount { expected: self.links.len(), found: poses.len() });
@@ -367,7 +345,6 @@ impl Robot {
         }
     }
 
-    /// The colliders of a link or an obstacle `a`, and of a link.
     fn colliders(&self, a: BodyOrObstacle, b: usize) -> [usize; 2] {
         match a {
             BodyOrObstacle::Body(a) => [a, b],
@@ -438,7 +415,6 @@ impl Robot {
         }
     }
 
-    /// A pair in the form that queries take.
     pub(crate) fn pairing(&self, index: usize, memory: &Memory) -> Pairing<'_> {
         let pair = &self.pairs[index];
         let (a, b) = (self.frame_of_a(pair, memory), self.body_frame(pair.b, memory));
@@ -452,7 +428,6 @@ impl Robot {
     }
 }
 
-/// The convex shapes of a collision.
 fn convex_shapes(
     shape: &Shape,
     hulls: impl FnOnce(&MeshUse) -> Result<Arc<hullmap::Pack>, String>,

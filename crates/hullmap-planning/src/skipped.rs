@@ -1,4 +1,4 @@
-//! What is not tested, and why.
+//! Collisions that are not tested, and the reasons.
 
 use std::fmt;
 

@@ -55,7 +55,7 @@ pub struct Analysis {
     pub remarks: Remarks,
     /// Bytes by section.
     pub sections: Vec<Section>,
-    /// What the page draws.
+    /// The meshes that the page draws.
     pub drawn: Drawn,
     /// A still picture, as a `data:` URL.
     pub picture: String,
@@ -63,78 +63,55 @@ pub struct Analysis {
     pub times: Times,
 }
 
-/// One row in the page's table of hulls.
 #[derive(Debug)]
 pub struct HullRow {
-    /// Name.
     pub name: String,
     /// 3 solid, 2 polygon, 1 segment, 0 point.
     pub rank: u32,
     /// Number of source points the hull was built from.
     pub points: u32,
-    /// Number of vertices.
     pub vertices: usize,
-    /// Number of faces.
     pub faces: usize,
-    /// Volume.
     pub volume: f64,
-    /// Surface area.
     pub surface_area: f64,
-    /// Maximum distance between two vertices.
     pub diameter: f64,
     /// How far the worst source point lies outside, relative to the diameter.
     pub containment_error: f64,
     /// Bound on how far the hull extends beyond its source, a length; 0 for an exact hull.
     pub outer_error: f64,
-    /// Bound on how far a point of the object's surface lies outside all of its parts, a length;
-    /// `None` if it was not measured.
+    /// A length; `None` if it was not measured.
     pub uncovered: Option<f64>,
     /// Bound on how far a point of the part lies outside the object's solid, a length.
     pub protrusion: Option<f64>,
-    /// Index of its colour among [`COLOURS`].
     pub colour: usize,
-    /// Index kind, in words.
     pub index: String,
-    /// Size of the index in bytes.
     pub index_bytes: usize,
-    /// Maximum nodes read by a query.
     pub max_nodes: u32,
-    /// Maximum dot products of a query.
     pub max_dots: u32,
-    /// Cost of queries over the sphere.
     pub census: Census,
 }
 
 /// Timings. Nothing else in a report differs from run to run.
 #[derive(Debug)]
 pub struct Times {
-    /// Opening the pack, all checks included.
     pub open: Duration,
-    /// Verification of all hulls.
     pub verification: Duration,
     /// Queries and scans of each hull that has a row.
     pub paces: Vec<Pace>,
 }
 
-/// The data of a page's pictures.
 #[derive(Debug, Serialize)]
 pub struct Drawn {
-    /// Layout of the cube's faces in the cross.
     pub faces: [Face; 6],
-    /// Axis that points up at first.
     pub up: Up,
-    /// Number of hulls in the pack.
     pub hull_count: usize,
-    /// The hulls that have rows.
     pub hulls: Vec<DrawnHull>,
     /// The source's meshes, unless there is one for each hull: of objects that were cut into parts.
     pub meshes: Vec<EncodedMesh>,
 }
 
-/// The data of one hull's pictures.
 #[derive(Debug, Serialize)]
 pub struct DrawnHull {
-    /// Its index in the pack.
     pub number: usize,
     /// Its name, without invisible or direction-changing characters.
     pub name: String,
@@ -142,21 +119,16 @@ pub struct DrawnHull {
     points: u32,
     vertices: usize,
     faces: usize,
-    /// Index kind.
     index: String,
     /// Number of parts of its object; 0 for a hull that is not a part.
     part_count: u32,
-    /// Its colour beside other hulls.
     colour: [u8; 3],
     /// Bound on how far the part protrudes from the mesh's solid, a length; `None`: not measured.
     protrusion: Option<f64>,
-    /// Where it protrudes most.
     protrusion_at: Option<[f64; 3]>,
     /// The source mesh, if it was found and there is room.
     pub source: Option<EncodedMesh>,
-    /// The hull, if there is room.
     pub hull: Option<EncodedMesh>,
-    /// The Gauss map, if there is room.
     pub gauss: Option<GaussMap>,
     census: Census,
 }
@@ -188,8 +160,7 @@ impl Analysis {
     }
 }
 
-/// Counts what queries of a pack cost and draws it. Fails if the pack's file cannot be read, or has
-/// changed since the pack was opened.
+/// Fails if the pack's file cannot be read, or has changed since it was opened.
 pub fn analyse(input: Input) -> Result<Analysis, ReadError> {
     let Input { path, pack, open_time, source, verification, mut remarks, polygons, up } = input;
     let contents = Contents::read(path, pack)?;
@@ -233,7 +204,6 @@ pub fn analyse(input: Input) -> Result<Analysis, ReadError> {
     })
 }
 
-/// Vertex indices of each face of a hull.
 type Polygons = fn(&Hull) -> Vec<Vec<u32>>;
 
 fn hull_row(hull: &Hull, polygons: Polygons, census: Census) -> HullRow {
@@ -307,8 +277,7 @@ fn draw(
     Drawn { faces: FACES, up, hull_count: pack.hull_count(), hulls: drawn, meshes }
 }
 
-/// The still picture: hulls around the meshes, or the hulls alone if there is no source. Parts are
-/// drawn alone, each in a colour.
+/// Hulls around the meshes, or alone without a source. Parts are drawn alone, each in a colour.
 fn still(pack: &Pack, meshes: &[DisplayMesh], colours: &[usize], polygons: Polygons, up: Up) -> String {
     let limit = STILL_TRIANGLES.div_ceil(pack.hull_count());
     let drawn = |hull: Hull| DisplayMesh::of_hull(&hull, &polygons(&hull)).with_at_most(limit);

@@ -1,14 +1,11 @@
 //! The cells of a direction index, as lines on the faces of the cube (the paper's Figures 4 and 5).
 //!
-//! On a face of the cube, with coordinates (u, v), a plane through the origin is a straight line,
-//! and so is a step of a fan. So every cell of an index is a convex polygon, and its borders are
-//! drawn exactly, not sampled:
+//! On a face of the cube, with coordinates (u, v), a plane through the origin and a step of a fan
+//! are straight lines. So every cell is a convex polygon, and its borders are exact:
 //!
 //! 1. Start with the six whole faces. A cube map is a grid.
-//! 2. A branch cuts its square into squares. Neighbours with the same slot are one cell, without a
-//!    line between them.
-//! 3. A plane cuts a polygon in two, a bundle in eight, a fan at each step whose slot differs from
-//!    the previous one.
+//! 2. A branch cuts its square into squares. Neighbours with the same slot are one cell.
+//! 3. A plane cuts a polygon in two, a bundle in eight, a fan at each step with another slot.
 //! 4. Cells are processed breadth first, so that the limit on lines drops the deepest ones.
 
 use std::collections::VecDeque;
@@ -33,10 +30,8 @@ const NARROWEST: f64 = 2.0 / 32_000.0;
 /// A fan's cell is cut into sectors of at most a quarter turn, which are convex.
 const MAX_SECTOR: f64 = 2.0;
 
-/// Part of a border between cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// Face of the cube.
     pub face: u32,
     /// The ends, at (u, v) ∈ [−1, 1]².
     pub ends: [[f64; 2]; 2],
@@ -44,17 +39,14 @@ pub struct Line {
     pub depth: u32,
 }
 
-/// The borders of an index's cells.
 #[derive(Clone, Debug, Default)]
 pub struct Cells {
-    /// The lines; at most [`MAX_LINES`].
     pub lines: Vec<Line>,
     /// Whether lines were dropped.
     pub is_cut: bool,
 }
 
-/// The borders of an index's cells; empty without an index. Complexity: O(words · squares of one
-/// branch that share a node), bounded by [`MAX_LINES`].
+/// Complexity: O(words · squares of one branch that share a node), bounded by [`MAX_LINES`].
 pub fn cells(index: &IndexReader) -> Cells {
     let mut drawing = Drawing { index, cells: Cells::default(), pending: VecDeque::new() };
     match index.kind {
@@ -65,12 +57,10 @@ pub fn cells(index: &IndexReader) -> Cells {
     drawing.cells
 }
 
-/// Whether nothing below the slot divides its cell.
 fn is_leaf(slot: Slot) -> bool {
     matches!(slot, Slot::Block(_) | Slot::List(_))
 }
 
-/// A cell to be divided.
 struct Pending {
     slot: Slot,
     face: u32,
@@ -260,7 +250,6 @@ impl Drawing<'_> {
         }
     }
 
-    /// Draws the part of an outline at one angle of a fan.
     fn ray(&mut self, cell: &Pending, x: Linear, y: Linear, angle: f64) {
         let [along_x, along_y] = square_point(angle);
         let ahead = Linear::blend(x, along_x, y, along_y);
@@ -311,8 +300,7 @@ impl Drawing<'_> {
     }
 }
 
-/// Tolerance, relative to a line's coefficients, for corners that were cut on it: some rounding
-/// errors of f64.
+/// Tolerance relative to a line's coefficients: some rounding errors of f64.
 const ON_LINE: f64 = 1e-13;
 
 /// A linear function on a face: c + u·x + v·y at the point (x, y).
@@ -333,14 +321,12 @@ impl Linear {
     }
 }
 
-/// The dot product with `normal` of the direction through a point of the face.
 fn on_face(face: u32, normal: [f64; 3]) -> Linear {
     let axis = (face / 2) as usize;
     let sign = if face.is_multiple_of(2) { 1.0 } else { -1.0 };
     Linear { c: normal[axis] * sign, u: normal[(axis + 1) % 3], v: normal[(axis + 2) % 3] }
 }
 
-/// The point of a fan's square at this angle.
 fn square_point(angle: f64) -> [f64; 2] {
     match angle {
         _ if angle < 1.0 => [1.0, angle],
@@ -356,7 +342,6 @@ fn beside(x: Linear, y: Linear, angle: f64) -> Linear {
     Linear::blend(y, along_x, x, -along_y)
 }
 
-/// The parts of a convex outline where `height` is not positive and where it is not negative.
 fn cut(outline: &[[f64; 2]], height: Linear) -> [Vec<[f64; 2]>; 2] {
     let mut parts = [Vec::new(), Vec::new()];
     for (i, &from) in outline.iter().enumerate() {
@@ -400,15 +385,13 @@ mod tests {
     use super::*;
     use crate::test_packs::{KINDS, baked, cloud};
 
-    /// Whether a segment properly crosses a line.
     fn crosses(a: [f64; 2], b: [f64; 2], [c, d]: [[f64; 2]; 2]) -> bool {
         let side =
             |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]) > 0.0;
         side(a, b, c) != side(a, b, d) && side(c, d, a) != side(c, d, b)
     }
 
-    /// Two directions in different leaves have a line between them. The leaves are found without
-    /// the drawing.
+    /// The leaves of the directions are found without the drawing.
     #[test]
     fn lines_separate_leaves() {
         for kind in KINDS {
@@ -433,7 +416,6 @@ mod tests {
             }
             let is_indexed = kind != IndexKind::None;
             assert_eq!(separated > 100, is_indexed, "{kind:?}: {separated}");
-            // Most lines that are crossed do separate leaves.
             assert!(crossed <= 2 * separated, "{kind:?}: {crossed} crossed, {separated} separated");
         }
     }

@@ -14,10 +14,8 @@ use crate::index_reader::{IndexReader, Leaf};
 /// Maximum directions per hull. Histograms of this many directions agree to one per cent.
 const MAX_DIRECTIONS: usize = 40_000;
 
-/// Minimum directions per hull.
 const MIN_DIRECTIONS: usize = 2_000;
 
-/// Directions of all hulls of a page together.
 const DIRECTION_BUDGET: usize = 400_000;
 
 /// Maximum dot products for timing scans, over all hulls of a page: a fraction of a second.
@@ -30,10 +28,8 @@ const MAX_SCANS: usize = 10_000;
 /// last digits differ between machines.
 const GOLDEN: [f64; 2] = [-0.737_368_878_078_320_1, 0.675_490_294_261_523_8];
 
-/// Histograms of query costs.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Census {
-    /// Number of directions.
     pub directions: usize,
     /// Pairs of a number of candidates and the number of queries with it.
     pub candidates: Vec<[u64; 2]>,
@@ -43,14 +39,12 @@ pub struct Census {
     pub mean_dots: f64,
 }
 
-/// Mean of a histogram.
 pub fn mean(histogram: &[[u64; 2]]) -> f64 {
     let queries: u64 = histogram.iter().map(|[_, count]| count).sum();
     let sum: u64 = histogram.iter().map(|[value, count]| value * count).sum();
     sum as f64 / queries as f64
 }
 
-/// Directions per hull on a page with `hull_count` hulls.
 pub fn direction_count(hull_count: usize) -> usize {
     (DIRECTION_BUDGET / hull_count.max(1)).clamp(MIN_DIRECTIONS, MAX_DIRECTIONS)
 }
@@ -72,7 +66,6 @@ pub fn even_directions(count: usize) -> Vec<Vec3> {
     (0..count).map(direction).collect()
 }
 
-/// Counts the candidates and nodes of queries in these directions.
 pub fn census(index: &IndexReader, directions: &[Vec3]) -> Census {
     let mut leaves: HashMap<Leaf, u64> = HashMap::new();
     if index.kind == IndexKind::None {
@@ -100,7 +93,6 @@ pub fn census(index: &IndexReader, directions: &[Vec3]) -> Census {
 /// Mean time of a query, on one thread.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
-    /// With the index.
     pub query: Duration,
     /// By a scan of all vertices in f32.
     pub scan: Duration,
@@ -119,7 +111,6 @@ pub fn pace(hull: &Hull, directions: &[Vec3], hull_count: usize) -> Pace {
         }
         start.elapsed() / directions.len().max(1) as u32
     };
-    // Once to warm the caches.
     time(&shuffled, &|dir| hull.support(dir).index);
     let query = time(&shuffled, &|dir| hull.support(dir).index);
     let vertices: Vec<Vec3> = hull.vertices().collect();
@@ -155,7 +146,6 @@ mod tests {
         let directions = even_directions(10_000);
         assert!(directions.iter().all(|dir| (dir.length() - 1.0).abs() < 1e-6));
         assert!(directions.iter().sum::<Vec3>().length() < 5.0);
-        // Each octant, and each cap of a tenth of the sphere around an axis, has its share.
         for signs in 0..8 {
             let share = directions.iter().filter(|dir| dir.is_negative_bitmask() == signs).count();
             assert!(share.abs_diff(1250) < 25, "{signs}: {share}");

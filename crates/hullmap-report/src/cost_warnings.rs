@@ -10,7 +10,6 @@ const MANY_DOTS: u32 = 64;
 /// Number of vertices above which a hull without an index is slower than one with an index.
 const MANY_WITHOUT_INDEX: usize = 32;
 
-/// A warning if the queries of `hull` are slower than they need be.
 pub fn cost_warning(hull: &Hull, census: &Census) -> Option<String> {
     let (name, vertex_count, worst) = (hull.name(), hull.vertex_count(), hull.worst_cost().dots);
     if hull.index_kind() == IndexKind::None && vertex_count > MANY_WITHOUT_INDEX {

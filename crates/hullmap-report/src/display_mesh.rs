@@ -7,8 +7,7 @@ use serde::Serialize;
 
 use crate::encode::{fraction, words};
 
-/// Maximum triangles that a page draws of one mesh. Corner indices have 16 bits, and a mesh has
-/// half as many corners.
+/// Corner indices have 16 bits, and a mesh has half as many corners.
 pub const MAX_TRIANGLES: usize = 60_000;
 
 /// Triangles that every hull may have, however many hulls there are.
@@ -33,12 +32,9 @@ pub struct DisplayMesh {
     pub edges: Vec<[u32; 2]>,
 }
 
-/// A mesh as the page reads it.
 #[derive(Debug, Serialize)]
 pub struct EncodedMesh {
-    /// Minimum coordinates.
     pub low: [f32; 3],
-    /// Extent along each axis.
     pub size: [f32; 3],
     /// Corners: three 16-bit fractions of the extent each.
     pub points: String,
@@ -48,18 +44,13 @@ pub struct EncodedMesh {
     pub triangles: String,
     /// Edges: two 16-bit corner indices each.
     pub edges: String,
-    /// Number of triangles on the page.
     pub shown: usize,
-    /// Number of triangles in the whole mesh.
     pub whole: usize,
-    /// Number of corners in the whole mesh.
     pub corners: usize,
 }
 
-/// Corners of a mesh, merged within each cell of a grid.
 struct GridCorners {
     points: Vec<[f32; 3]>,
-    /// Their indices in the whole mesh.
     numbers: Vec<u32>,
     /// For each corner of the whole mesh, its index among them.
     new: Vec<u32>,
@@ -80,7 +71,6 @@ pub fn encoded_edges(edges: &[[u32; 2]]) -> String {
     words(edges.as_flattened().iter().map(|&corner| corner as u16))
 }
 
-/// Maximum triangles of each hull on a page with `hull_count` hulls.
 pub fn triangle_limit(hull_count: usize) -> usize {
     (MAX_TRIANGLES / hull_count.max(1)).max(MIN_TRIANGLES)
 }
@@ -110,10 +100,9 @@ impl DisplayMesh {
         [fold(f32::INFINITY, f32::min), fold(f32::NEG_INFINITY, f32::max)]
     }
 
-    /// The mesh with at most `limit` triangles, and no more corners than a page can index.
-    ///
-    /// Corners in the same cell of a grid are merged into the first of them, on the finest grid
-    /// that meets the limit. Triangles that degenerate to an edge or a point are dropped.
+    /// The mesh with at most `limit` triangles, and no more corners than a page can index. Corners
+    /// in a cell of the finest grid that meets the limit are merged. Degenerate triangles are
+    /// dropped.
     pub fn with_at_most(&self, limit: usize) -> Self {
         self.cells_for(limit).map_or_else(|| self.clone(), |cells| self.merged(cells))
     }
@@ -144,7 +133,6 @@ impl DisplayMesh {
         Some(coarse)
     }
 
-    /// The corners that are left after merging within each cell of a grid.
     fn corners_of_grid(&self, cells: u32) -> GridCorners {
         let [low, high] = self.bounds();
         let longest = (0..3).map(|axis| f64::from(high[axis]) - f64::from(low[axis])).fold(0.0, f64::max);
@@ -164,7 +152,6 @@ impl DisplayMesh {
         GridCorners { points, numbers, new }
     }
 
-    /// The mesh with the corners in each grid cell merged.
     fn merged(&self, cells: u32) -> Self {
         let GridCorners { points, numbers, new } = self.corners_of_grid(cells);
         let mut triangles: Vec<[u32; 3]> =
@@ -212,7 +199,6 @@ mod tests {
         // Euler: there are twice as many triangles as vertices, minus four.
         assert_eq!(mesh.triangles.len(), 2 * mesh.points.len() - 4);
         assert!(mesh.edges.len() <= 3 * mesh.points.len() - 6);
-        // The neighbours are the twin.
         let hull = pack.hull(0).unwrap();
         let neighbours = (0..mesh.points.len() as u32).flat_map(|v| hull.neighbours(v).map(move |w| [v, w]));
         assert!(mesh.edges.iter().copied().eq(neighbours.filter(|[v, w]| v < w)));
@@ -241,7 +227,6 @@ mod tests {
         }
     }
 
-    /// The groups follow the corners of the thinned mesh.
     #[test]
     fn groups_of_edges_are_thinned_with_their_mesh() {
         let (pack, _) = baked(cloud(4000), IndexKind::None);

@@ -2,21 +2,17 @@
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 
-/// Bytes as base64.
 pub fn base64(bytes: &[u8]) -> String {
     STANDARD.encode(bytes)
 }
 
-/// 16-bit numbers as base64.
 pub fn words(numbers: impl IntoIterator<Item = u16>) -> String {
     base64(&numbers.into_iter().flat_map(u16::to_le_bytes).collect::<Vec<_>>())
 }
 
-/// Run-length encoding: pairs of a count and the difference from the previous value, as
-/// variable-length bytes.
-///
-/// Each number takes seven bits per byte, the lowest first; the top bit is set in all but its last
-/// byte. Differences are zigzag-encoded: d ≥ 0 as 2d, d < 0 as −2d − 1.
+/// Run-length encoding: pairs of a count and the difference from the previous value, in seven bits
+/// per byte, the lowest first; the top bit is set in all but a number's last byte. Differences are
+/// zigzag-encoded: d ≥ 0 as 2d, d < 0 as −2d − 1.
 pub fn runs(numbers: &[u32]) -> String {
     joined_runs(numbers.iter().map(|number| (1, *number)))
 }

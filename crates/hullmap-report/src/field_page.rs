@@ -16,7 +16,6 @@ const PAGE: Page = Page {
     scripts: &[],
 };
 
-/// Maximum number of pixels of the relief along x and along y.
 const MAX_PIXELS: usize = 1024;
 
 /// Index of the colour of holes. The other indices are grey, from black to white.
@@ -32,7 +31,6 @@ pub fn field_page(file: &str, field: &HeightField, facts: &[(String, String)]) -
     let (relief, [width, height]) = relief(field);
     let mut rows = String::new();
     for (name, value) in facts {
-        // Writing to a string does not fail.
         let _ = writeln!(rows, "<tr><th scope=\"row\">{}</th><td>{}</td></tr>", escape(name), escape(value));
     }
     let (width, height) = (width.to_string(), height.to_string());
@@ -91,7 +89,6 @@ mod tests {
     fn the_page_shows_slopes_and_holes() {
         let diagonal = Diagonal::Rising;
         let layout = Layout { columns: 4, rows: 2, origin: [0.0; 2], spacing: [1.0; 2], diagonal };
-        // A slope to the light, a flat cell, and a hole.
         let heights = [0.0, 1.0, 1.0, f32::NAN, 0.0, 1.0, 1.0, 0.0];
         let grid = HeightGrid { layout, heights: &heights, holes: &[], materials: &[] };
         let file = write_height_field(bake_height_field(&grid).unwrap(), &Default::default()).unwrap();

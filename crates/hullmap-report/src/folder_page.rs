@@ -18,7 +18,6 @@ const PAGE: Page = Page {
     scripts: &[include_str!("page/folder.js")],
 };
 
-/// Start of a picture's URL.
 const PICTURE: &str = "data:image/png;base64,";
 
 /// One pack on a folder's page. It can be written to a file and read again, so that several
@@ -34,7 +33,6 @@ pub struct Card {
     content: Option<Content>,
 }
 
-/// Contents of a card for a pack that opens.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 struct Content {
     /// Path of its page, relative to the folder's.
@@ -42,12 +40,9 @@ struct Content {
     /// Its picture, as a `data:` URL.
     picture: String,
     hulls: usize,
-    /// Number of triangles of a triangle mesh.
     #[serde(default)]
     triangles: usize,
-    /// Number of vertices, over all hulls.
     vertices: usize,
-    /// Size of the pack in bytes.
     bytes: usize,
 }
 
@@ -158,7 +153,6 @@ fn packs(n: usize) -> String {
     format!("{} {}", count(n as u64), if n == 1 { "pack" } else { "packs" })
 }
 
-/// A card as a list item.
 fn item(card: &Card) -> String {
     let name = escape(&card.name);
     let is_odd = card.verdict.words().0 != "good" || !card.remarks.is_empty();

@@ -5,8 +5,7 @@
 //! faces are rotated so that neighbours in the cross join: the middle row is +x, +y, −x, −y around
 //! z, with +z above +y and −z below.
 //!
-//! Queries on a hull without an index scan all vertices. [`crate::spans`] then finds most pixels
-//! of a row without a query each.
+//! Without an index, [`crate::spans`] finds most pixels of a row without a query each.
 
 use std::collections::HashMap;
 
@@ -31,21 +30,16 @@ const MIN_RESOLUTION: u32 = 32;
 /// Pixels of all hulls of a page together: one hull at the maximum resolution.
 const PIXEL_BUDGET: u32 = 6 * MAX_RESOLUTION * MAX_RESOLUTION;
 
-/// Maximum candidates that a page lists for a leaf.
 const LISTED_CANDIDATES: usize = 32;
 
-/// Layout of a cube face in the cross.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Face {
     /// Its name: the direction of its centre.
     pub name: &'static str,
     /// Column, 0 to 3, and row, 0 to 2, of the cross.
     pub place: [u32; 2],
-    /// Direction of its centre.
     pub middle: [i32; 3],
-    /// Direction to its right.
     pub right: [i32; 3],
-    /// Direction upwards.
     pub up: [i32; 3],
 }
 
@@ -71,7 +65,6 @@ impl Face {
     }
 }
 
-/// The Gauss map as the page reads it.
 #[derive(Debug, Serialize)]
 pub struct GaussMap {
     /// Pixels along a face's edge.
@@ -89,34 +82,26 @@ pub struct GaussMap {
     pub line_starts: Vec<usize>,
     /// Depth of each line: see [`runs`].
     pub line_depths: String,
-    /// Whether the lines of deeper cells were dropped.
     pub lines_are_cut: bool,
 }
 
-/// One leaf of an index.
 #[derive(Clone, Debug, Serialize)]
 pub struct LeafEntry {
-    /// Its first block.
     pub block: u32,
-    /// Number of nodes above it.
     pub nodes: u32,
     /// Number of lanes: dot products of a query.
     pub dots: u32,
-    /// Number of candidates.
     pub candidates: usize,
-    /// The first candidates.
     pub listed: Vec<u32>,
 }
 
-/// Pixels along a face's edge on a page with `hull_count` hulls.
 pub fn resolution(hull_count: usize) -> u32 {
     let pixels = PIXEL_BUDGET / 6 / u32::try_from(hull_count.max(1)).unwrap_or(u32::MAX);
     pixels.isqrt().clamp(MIN_RESOLUTION, MAX_RESOLUTION)
 }
 
-/// Queries `hull` in the directions of all pixels. Complexity: 6 · resolution² queries, on all
-/// threads of the pool. On a hull without an index, a few queries for each border that a row
-/// crosses.
+/// Complexity: 6 · resolution² queries, on all threads. Without an index, a few queries for each
+/// border that a row crosses.
 pub fn gauss_map(hull: &Hull, index: &IndexReader, resolution: u32) -> GaussMap {
     let rows: Vec<(&Face, u32)> = FACES.iter().flat_map(|face| (0..resolution).map(move |row| (face, row))).collect();
     let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(resolution) * 2.0 - 1.0;
@@ -169,11 +154,9 @@ pub fn gauss_map(hull: &Hull, index: &IndexReader, resolution: u32) -> GaussMap 
     }
 }
 
-/// The Gauss map of hull `hull`, as JSON, with the layout of the cube's faces: what the script of
-/// the page draws, for pages that are not a report.
-///
-/// `resolution` is the number of pixels along a face's edge, limited to 32 to 256. `None` if there
-/// is no such hull. Complexity: 6 · resolution² queries, and a copy of the pack.
+/// The Gauss map of hull `hull`, if there is one, as JSON with the layout of the cube's faces, for
+/// the script of other pages. `resolution` is the number of pixels along a face's edge, limited to
+/// 32 to 256. Complexity: 6 · resolution² queries, and a copy of the pack.
 ///
 /// # Examples
 /// ```
@@ -245,7 +228,6 @@ mod tests {
         }
     }
 
-    /// Faces that lie side by side in the cross share the directions along the edge between them.
     #[test]
     fn the_cross_has_no_seams_inside() {
         let mut joints = 0;
@@ -284,7 +266,6 @@ mod tests {
         assert_eq!(resolution(0), MAX_RESOLUTION);
     }
 
-    /// The slow twin of `gauss_map`: a query for each pixel.
     fn slow(hull: &Hull, index: &IndexReader, resolution: u32) -> [String; 2] {
         let (mut vertices, mut leaves, mut table) = (Vec::new(), Vec::new(), Vec::new());
         let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(resolution) * 2.0 - 1.0;
@@ -309,7 +290,6 @@ mod tests {
     fn pixels_match_single_queries() {
         let mut sets: Vec<Vec<[f32; 3]>> = [2, 4, 6, 8, 20, 32, 150].map(cloud).to_vec();
         sets.push(vec![[1.0, 2.0, 3.0]]);
-        // Ties along whole rows, and hulls far from the origin, flat and thin.
         sets.push((0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect());
         sets.push((0..4).map(|i| [(i & 1) as f32 - 0.5, (i >> 1) as f32 - 0.5, 0.0]).collect());
         for (offset, stretch) in [(1_000.0, 1.0), (-1e7, 1.0), (0.0, 1e-6), (0.0, 1e30), (0.0, 1e-30)] {

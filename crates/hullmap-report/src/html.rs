@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-/// Text escaped for elements and quoted attributes.
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in plain(text).chars() {
@@ -18,9 +17,8 @@ pub fn escape(text: &str) -> String {
     out
 }
 
-/// Text without invisible characters: control characters, which HTML forbids, become their
-/// pictures, and characters that change the text direction, which could disguise a name, become
-/// U+FFFD.
+/// Control characters, which HTML forbids, become their pictures; characters that change the text
+/// direction, and could disguise a name, become U+FFFD.
 pub fn plain(text: &str) -> String {
     let shown = |c: char| match c {
         // U+2400 to U+241F are pictures of the control characters.
@@ -51,7 +49,7 @@ pub fn link(path: &str) -> String {
 }
 
 /// Replaces each `{{name}}` in a template by its value. Values are not expanded again. Panics if
-/// the template has a name without a value: a fault of the program.
+/// the template has a name without a value: a bug.
 pub fn fill(template: &str, values: &[(&str, &str)]) -> String {
     let mut out = String::with_capacity(template.len() + values.iter().map(|(_, value)| value.len()).sum::<usize>());
     let mut rest = template;
@@ -90,8 +88,7 @@ pub fn short(value: f64) -> String {
     format!("{sign}{}{dot}{fraction}", count(whole.parse().unwrap_or(0)))
 }
 
-/// A whole number with its digits in groups of three, separated by narrow spaces that do not break
-/// at a line's end.
+/// Groups of three digits, with narrow no-break spaces.
 pub fn count(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::with_capacity(2 * digits.len());

@@ -25,35 +25,25 @@ use crate::sizes::{Section, sections};
 
 /// Why the pack's file could not be read again.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum ReadError {
     /// The file cannot be read.
     #[error("{file}: cannot read: {error}; check the path")]
-    Io {
-        /// The pack.
-        file: String,
-        /// Reason given by the operating system.
-        error: std::io::Error,
-    },
+    Io { file: String, error: std::io::Error },
     /// The file is not the one that was opened.
     #[error("{file}: the file changed while it was read; run the command again")]
-    Changed {
-        /// The pack.
-        file: String,
-    },
+    Changed { file: String },
 }
 
-/// Parts of a pack that the report reads from its bytes, because the runtime does not expose them.
 #[derive(Debug)]
 pub struct Contents {
     /// The direction index of each hull.
     pub indices: Vec<IndexReader>,
-    /// The sections, in the file's order.
     pub sections: Vec<Section>,
 }
 
 impl Contents {
-    /// Reads a pack that has been opened before, and so has passed all checks. Fails if the file
-    /// cannot be read, or has changed since it was opened.
+    /// Fails if the file of a pack that has passed all checks cannot be read, or has changed.
     pub fn read(path: &Path, pack: &Pack) -> Result<Self, ReadError> {
         let file = || path.display().to_string();
         let cannot_read = |error| ReadError::Io { file: file(), error };
@@ -62,15 +52,13 @@ impl Contents {
         Self::parse(&bytes, pack).ok_or_else(|| ReadError::Changed { file: file() })
     }
 
-    /// The contents of an open pack, from a copy of its bytes. `None` if they cannot be read, which
-    /// cannot happen for an open pack that was checked.
+    /// Contents of an open pack, from a copy of its bytes, which can be read.
     pub fn of_pack(pack: &Pack) -> Option<Self> {
         let mut bytes = AlignedVec::<HEADER_LEN>::new();
         bytes.extend_from_slice(pack.bytes());
         Self::parse(&bytes, pack)
     }
 
-    /// Reads the bytes of a file, which are aligned.
     fn parse(bytes: &[u8], pack: &Pack) -> Option<Self> {
         let payload = bytes.get(HEADER_LEN..).unwrap_or_default();
         let archive = Sections::read(payload).ok()?;
@@ -96,7 +84,6 @@ impl Contents {
     }
 }
 
-/// A direction index.
 #[derive(Clone, Debug)]
 pub struct IndexReader {
     pub kind: IndexKind,
@@ -109,7 +96,6 @@ pub struct IndexReader {
     ends: Vec<End>,
 }
 
-/// A vertex with an extreme coordinate.
 #[derive(Clone, Debug)]
 struct End {
     vertex: u32,
@@ -117,12 +103,9 @@ struct End {
     neighbours: Vec<u32>,
 }
 
-/// Where a direction leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Leaf {
-    /// First of its blocks.
     pub first: u32,
-    /// Number of blocks.
     pub count: u32,
     /// Number of nodes read on the way.
     pub nodes: u32,
@@ -158,11 +141,9 @@ impl IndexReader {
         Leaf { first, count, nodes }
     }
 
-    /// The candidates of a leaf, ascending: its lanes without padding.
-    ///
-    /// Padding comes last, and is an extreme vertex of an axis on the hull's far side. A single
-    /// such lane could also be a candidate: it counts as one if it shares an edge with another
-    /// candidate, because the normal cones of a cell's candidates are adjacent.
+    /// Candidates, ascending: the leaf's lanes without padding, which comes last, and is an extreme
+    /// vertex on the hull's far side. A single such lane is a candidate if it shares an edge with
+    /// another, because the normal cones of a cell's candidates are adjacent.
     pub fn candidates(&self, leaf: Leaf) -> Vec<u32> {
         let run = leaf.first as usize..(leaf.first + leaf.count) as usize;
         let mut lanes = self.blocks.get(run).unwrap_or_default().as_flattened().to_vec();
@@ -171,8 +152,7 @@ impl IndexReader {
         lanes.truncate(lanes.len() - filled);
         let end = self.ends.iter().find(|end| end.vertex == last);
         let fills = match end {
-            // Candidates ascend, and the last one is padding only if all extreme vertices are
-            // candidates.
+            // The last one is padding only if all extreme vertices are candidates.
             _ if lanes.last().is_some_and(|&before| before > last) => true,
             Some(_) if filled > 1 => self.ends.iter().any(|end| end.vertex != last && !lanes.contains(&end.vertex)),
             Some(end) => !lanes.iter().any(|lane| end.neighbours.binary_search(lane).is_ok()),
@@ -184,17 +164,14 @@ impl IndexReader {
         lanes
     }
 
-    /// The slot at word `at`.
     pub fn slot(&self, at: usize) -> Slot {
         Slot::decode(self.words[..].word(at))
     }
 
-    /// The node that a slot refers to; `None` for a plain leaf.
     pub fn node(&self, slot: Slot) -> Option<Node> {
         Node::below(slot, self.kind.branches(), &self.words[..])
     }
 
-    /// The slots of a node, as words.
     pub fn slots(&self, node: Node) -> &[u32] {
         self.words.get(node.slots()).unwrap_or_default()
     }
@@ -215,7 +192,6 @@ impl IndexReader {
     }
 }
 
-/// The vertices with the minimum and maximum coordinates.
 fn ends(hull: &Hull) -> Vec<End> {
     let coordinates = |axis: usize| hull.vertices().map(move |vertex| vertex[axis]).enumerate();
     let mut ends = Vec::new();

@@ -1,11 +1,9 @@
 //! HTML report of a pack, of a triangle mesh or of a robot: one page that any browser opens,
 //! without a network.
 //!
-//! The caller opens the pack, finds its source, verifies it and collects remarks; all of that comes
-//! in as an [`Input`].
-//!
-//! 1. [`analyse`] counts what queries cost and gathers what the page draws.
-//! 2. [`pack_page`] makes one page of the analysis; [`folder_page`] lists packs, a [`Card`] each.
+//! The caller opens the pack, finds its source, verifies it and collects remarks, as an [`Input`].
+//! [`analyse`] counts what queries cost and gathers what the page draws. [`pack_page`] makes one
+//! page; [`folder_page`] lists packs, a [`Card`] each.
 //!
 //! | module | concept |
 //! |---|---|

@@ -33,14 +33,14 @@ pub struct MeshInput<'a> {
     pub up: Up,
 }
 
-/// What was compared by brute force.
+/// Comparisons by brute force.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Checks {
     /// Number of rays.
     pub rays: usize,
     /// Number of rays that hit the mesh.
     pub ray_hits: usize,
-    /// Number of points whose nearest triangle was sought.
+    /// Number of points whose nearest triangle was searched for.
     pub points: usize,
     /// Seed of both.
     pub seed: u64,
@@ -69,7 +69,6 @@ pub struct MeshReport {
     pub(crate) drawn: DrawnTriangles,
 }
 
-/// What the script of the page draws.
 #[derive(Debug, Serialize)]
 pub(crate) struct DrawnTriangles {
     up: Up,
@@ -77,10 +76,8 @@ pub(crate) struct DrawnTriangles {
     classes: Vec<DrawnClass>,
 }
 
-/// The edges of one class.
 #[derive(Debug, Serialize)]
 pub(crate) struct DrawnClass {
-    /// Name of the class.
     pub(crate) name: &'static str,
     /// Number of edges in the whole mesh; an edge that triangles share counts once.
     pub(crate) count: usize,
@@ -89,10 +86,7 @@ pub(crate) struct DrawnClass {
 }
 
 impl MeshReport {
-    /// Gathers what the page shows.
-    ///
-    /// # Complexity
-    /// O(n log n) for n triangles.
+    /// Gathers what the page shows, in O(n log n) for n triangles.
     pub fn new(input: MeshInput) -> Self {
         let MeshInput { path, mesh, source, options, remarks, checks, t_junctions, up } = input;
         let vertices = (0..mesh.vertex_count()).filter_map(|vertex| mesh.vertex(vertex));
@@ -131,7 +125,6 @@ impl MeshReport {
         }
     }
 
-    /// The verdict on the mesh.
     pub(crate) fn verdict(&self) -> Verdict {
         if !self.remarks.faults.is_empty() {
             Verdict::Failed
@@ -144,33 +137,17 @@ impl MeshReport {
 }
 
 impl DrawnTriangles {
-    /// The classes, and how many edges each has.
     pub(crate) fn classes(&self) -> &[DrawnClass] {
         &self.classes
     }
 
-    /// Number of triangles that are drawn.
     pub(crate) fn shown(&self) -> usize {
         self.mesh.shown
     }
 }
 
-/// The edges of each class, each of them once, in the order of [`EdgeClass::ALL`]. `triangles` are
-/// corners, and the classes of the edges from each corner to the next.
-///
-/// # Complexity
-/// O(n log n) for n triangles.
-///
-/// # Examples
-/// ```
-/// use hullmap::EdgeClass::{Border, Flat};
-/// use hullmap_report::mesh::edges_by_class;
-///
-/// // A square of two triangles.
-/// let square = [([0, 1, 2], [Border, Border, Flat]), ([0, 2, 3], [Flat, Border, Border])];
-/// let edges = edges_by_class(square);
-/// assert_eq!((edges[0].len(), &edges[1][..]), (4, &[[0, 2]][..]));
-/// ```
+/// The edges of each class, each once, in the order of [`EdgeClass::ALL`], in O(n log n).
+/// `triangles` are corners, and the classes of the edges from each to the next.
 pub fn edges_by_class(triangles: impl IntoIterator<Item = ([u32; 3], [EdgeClass; 3])>) -> Vec<Vec<[u32; 2]>> {
     let mut groups = vec![Vec::new(); EdgeClass::ALL.len()];
     for ([a, b, c], classes) in triangles {

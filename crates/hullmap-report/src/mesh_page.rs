@@ -18,9 +18,8 @@ const PAGE: Page = Page {
     ],
 };
 
-/// The page of a triangle mesh. `index` is the link from it to the page of its folder.
-///
-/// It depends only on the file, its source and the arguments.
+/// The page of a triangle mesh: a function of the file, its source and the arguments. `index` is
+/// the link to the page of its folder.
 pub fn mesh_page(mesh: &MeshReport, index: Option<&str>) -> String {
     let source = match &mesh.source {
         Some(source) => format!("source {}", escape(source)),
@@ -46,7 +45,6 @@ pub fn mesh_page(mesh: &MeshReport, index: Option<&str>) -> String {
     ])
 }
 
-/// What each class means.
 fn meaning(class: &str) -> &'static str {
     match class {
         "border" => "no other triangle has the edge",
@@ -58,7 +56,6 @@ fn meaning(class: &str) -> &'static str {
     }
 }
 
-/// A switch for the edges of each class, with its colour.
 fn classes(mesh: &MeshReport) -> String {
     let row = |(at, class): (usize, &crate::mesh::DrawnClass)| {
         let (name, edges) = (class.name, count(class.count as u64));
@@ -89,7 +86,6 @@ fn verification(mesh: &MeshReport) -> String {
     )
 }
 
-/// What the page leaves out.
 fn limits(mesh: &MeshReport) -> String {
     let (shown, whole) = (mesh.drawn.shown(), mesh.triangle_count);
     if shown == whole {

@@ -1,5 +1,3 @@
-//! The page of one pack.
-
 use std::fmt::Write;
 use std::time::Duration;
 
@@ -29,10 +27,8 @@ const PAGE: Page = Page {
     ],
 };
 
-/// The page of a pack. `index` is the link from it to the page of its folder.
-///
-/// Apart from the part between `<!-- times -->` and `<!-- /times -->`, it depends only on pack,
-/// source and arguments.
+/// The page of a pack: a function of pack, source and arguments, apart from the part between `<!--
+/// times -->` and `<!-- /times -->`. `index` is the link to the page of its folder.
 pub fn pack_page(pack: &Analysis, index: Option<&str>) -> String {
     let title = escape(&pack.file);
     let source = match &pack.source {
@@ -63,13 +59,10 @@ pub fn pack_page(pack: &Analysis, index: Option<&str>) -> String {
     ])
 }
 
-/// Verdict on a pack.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// It does not open.
     NotOpened,
-    /// It has faults.
     Failed,
     /// It has parts without measures.
     Unmeasured,
@@ -90,7 +83,6 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// The verdict on a pack that opens.
     pub fn new(pack: &Analysis) -> Self {
         if !pack.remarks.faults.is_empty() {
             Self::Failed
@@ -138,7 +130,6 @@ impl Verdict {
         }
     }
 
-    /// The verdict as HTML.
     pub fn html(self) -> String {
         let (class, word) = self.words();
         format!("<span class=\"chip {class}\">{word}</span>")
@@ -211,8 +202,7 @@ fn source_note(pack: &Analysis) -> String {
 
 /// A table. Each head states whether its column holds words; cells are HTML.
 fn table(caption: &str, heads: &[(&str, bool)], rows: impl Iterator<Item = Vec<String>>, foot: &[String]) -> String {
-    // The caption is outside the scrolling element, so that it wraps if the table is wider than the
-    // screen.
+    // Outside the scrolling element, it wraps if the table is wider than the screen.
     let mut out = format!(
         "<p class=\"soft\">{caption}</p>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\"><table aria-label=\"{caption}\">\n<thead><tr>"
     );
@@ -346,7 +336,6 @@ fn verification(pack: &Analysis) -> String {
         ("worst dots", false),
         ("result", true),
     ];
-    // Failed hulls are always listed.
     let is_listed = |(index, hull): &(usize, &VerifiedHull)| *index < MAX_HULLS || !hull.passed;
     let rows = verification.hulls.iter().enumerate().filter(is_listed).map(|(_, hull)| {
         let (class, word) = match (hull.passed, hull.is_simplified) {

@@ -1,15 +1,13 @@
-//! What all pages share: the head, the title, the style, and the script that counts errors.
+//! Parts shared by all pages: the head, the title, the style, and the script that counts errors.
 
 use crate::html::{escape, fill, link};
 
 const HEAD: &str = include_str!("page/head.html");
 const FOOT: &str = include_str!("page/foot.html");
 const STYLE: &str = include_str!("page/style.css");
-/// What the policy of pages with scripts allows in addition to the policy of all pages.
 const SCRIPT_SOURCE: &str = include_str!("page/script-source.txt");
 const FAULTS: &str = include_str!("page/faults.js");
 
-/// A kind of page.
 pub struct Page {
     /// Its name, which scripts read.
     pub kind: &'static str,
@@ -19,13 +17,11 @@ pub struct Page {
     pub style: &'static str,
     /// Template of what is below the title.
     pub contents: &'static str,
-    /// Scripts; empty if the page needs none.
     pub scripts: &'static [&'static str],
 }
 
 impl Page {
-    /// The page with these values. Every page needs `title`, `subtitle` and `footer`; `crumb` and
-    /// `verdict` are empty if they are not given.
+    /// Every page needs `title`, `subtitle` and `footer`; `crumb` and `verdict` may be missing.
     pub fn fill(&self, values: &[(&str, &str)]) -> String {
         let (script, script_source) = if self.scripts.is_empty() {
             (String::new(), "")

@@ -4,12 +4,10 @@
 //! whose boxes touch have different colours, while there are enough.
 //!
 //! # Reference
-//! Okabe, Ito, "Color universal design", 2008. The yellow is darker here, so that it stands out
-//! from a white page.
+//! Okabe, Ito, "Color universal design", 2008, with a darker yellow for white pages.
 
 use hullmap::glam::Vec3;
 
-/// Number of colours.
 pub const COUNT: usize = 21;
 
 /// The colours, the seven hues in the middle lightness first.
@@ -37,10 +35,7 @@ pub const COLOURS: [[u8; 3]; COUNT] = [
     [130, 120, 20],
 ];
 
-/// Index of the colour of each part, given their boxes: minimum and maximum coordinates.
-///
-/// # Complexity
-/// O(n²) for n boxes.
+/// Colour of each part, by the minimum and maximum of its box, in O(n²).
 pub fn assigned(boxes: &[[Vec3; 2]]) -> Vec<usize> {
     let mut chosen: Vec<usize> = Vec::with_capacity(boxes.len());
     for (index, [low, high]) in boxes.iter().enumerate() {
@@ -61,7 +56,6 @@ pub fn assigned(boxes: &[[Vec3; 2]]) -> Vec<usize> {
 mod tests {
     use super::*;
 
-    /// Linear light of an sRGB colour.
     fn linear(colour: [u8; 3]) -> [f64; 3] {
         colour.map(|c| {
             let c = f64::from(c) / 255.0;

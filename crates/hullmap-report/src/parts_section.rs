@@ -77,7 +77,6 @@ fn verdict(parts: &[Part], is_against_source: bool) -> String {
     out
 }
 
-/// Maximum number of objects whose measures are stated.
 const MAX_OBJECTS: usize = 20;
 
 /// The measures of one object, or a dash for each that is not known.

@@ -2,9 +2,7 @@
 //! for browsers without WebGL.
 //!
 //! Triangles are rasterised with a depth buffer, in an orthographic view from a corner, into a PNG
-//! with a palette of a few shades of two colours on a transparent background. It is rendered at
-//! twice its display size, which smooths its edges. The parts of a mesh are drawn without it, each
-//! in one of several colours.
+//! with a palette on a transparent background, at twice its display size.
 
 use crate::DisplayMesh;
 use crate::encode::base64;
@@ -14,7 +12,6 @@ use crate::part_colours::{COLOURS as PART_COLOURS, COUNT as COLOUR_COUNT};
 /// Size in pixels; twice the display size.
 pub const SIZE: [usize; 2] = [320, 240];
 
-/// Shades of each colour.
 const SHADES: usize = 12;
 
 /// Margin on each side, relative to width or height.
@@ -51,8 +48,7 @@ pub fn picture(hulls: &[DisplayMesh], meshes: &[DisplayMesh], up: Up) -> String 
     format!("data:image/png;base64,{}", base64(&png(&pixels, &COLOURS, HULL_ALPHA)))
 }
 
-/// The picture of parts as a `data:` URL; `colours` are the indices of their colours. Parts beyond
-/// their number take the colours in turn.
+/// Picture as a `data:` URL. Parts beyond the `colours` take these in turn.
 pub fn picture_of_parts(parts: &[DisplayMesh], colours: &[usize], up: Up) -> String {
     let colour = |index: usize| colours.get(index).copied().unwrap_or(index % COLOUR_COUNT);
     let layer = parts.iter().enumerate().map(|(index, part)| (part, colour(index)));
@@ -113,7 +109,6 @@ fn draw(groups: &[Vec<(&DisplayMesh, usize)>], up: Up) -> Vec<u8> {
     pixels
 }
 
-/// A point in the axes of the view.
 fn seen([x, y, z]: [f32; 3], up: Up) -> [f64; 3] {
     let point = if up == Up::Z { [x, y, z] } else { [x, -z, y] };
     VIEW.map(|axis| (0..3).map(|i| axis[i] * f64::from(point[i])).sum())
@@ -168,8 +163,7 @@ fn dot(pixels: &mut [u8], [x, y]: [f64; 2], radius: f64, layer: usize) {
     }
 }
 
-/// The pixels as a PNG file. Palette: 0 is transparent, then the shades of each colour. The first
-/// colour has an opacity.
+/// Palette: 0 is transparent, then the shades of each colour. The first colour has an opacity.
 fn png(pixels: &[u8], colours: &[[[u8; 3]; 2]], first_alpha: u8) -> Vec<u8> {
     let (mut palette, mut alpha) = (vec![0; 3], vec![0]);
     for (layer, [dark, light]) in colours.iter().enumerate() {
@@ -224,7 +218,6 @@ mod tests {
         };
         let (nothing, hull, mesh) = (share(0, 1), share(1, 1 + SHADES), share(1 + SHADES, 1 + 2 * SHADES));
         assert!(nothing > 0.3 && hull > 0.1 && mesh > 0.03, "{nothing} {hull} {mesh}");
-        // The size of the whole does not matter.
         let mut large = tetrahedron();
         large.points.iter_mut().flatten().for_each(|c| *c *= 1024.0);
         assert_eq!(picture(&[large], &[], Up::Z), picture(&[tetrahedron()], &[], Up::Z));

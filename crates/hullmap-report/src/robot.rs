@@ -52,9 +52,9 @@ pub struct Link {
     pub rest: Placement,
     /// Its placement in the world in the neutral pose.
     pub neutral: Placement,
-    /// What is drawn.
+    /// Its drawn meshes.
     pub shapes: Vec<Shape>,
-    /// What became of its collisions, in words.
+    /// The treatment of its collision geometry, in words.
     pub becomes: String,
     /// Number of convex pieces before and after.
     pub pieces: [usize; 2],
@@ -70,7 +70,7 @@ pub struct Link {
 /// A mesh in a link.
 #[derive(Clone, Debug)]
 pub struct Shape {
-    /// What the mesh is to the link.
+    /// Role of the mesh in the link.
     pub layer: Layer,
     /// Index of the mesh.
     pub mesh: usize,
@@ -78,7 +78,7 @@ pub struct Shape {
     pub in_link: [[f64; 3]; 4],
 }
 
-/// What a mesh is to its link.
+/// Role of a mesh in its link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Layer {

@@ -34,10 +34,8 @@ const PAGE: Page = Page {
 /// Bytes of meshes on a page. Later meshes are not drawn.
 const MESH_BUDGET: usize = 12_000_000;
 
-/// Maximum rows of a table.
 const MAX_ROWS: usize = 2_000;
 
-/// What the page draws.
 #[derive(Serialize)]
 struct Drawn {
     up: Up,
@@ -174,7 +172,6 @@ fn mm(length: Option<f64>) -> String {
     length.map_or_else(|| "–".to_owned(), |length| format!("{length:.2}"))
 }
 
-/// The worst bound, if any is known.
 fn worst(robot: &Robot, pick: impl Fn(&Link) -> Option<f64>) -> Option<f64> {
     robot.links.iter().filter_map(pick).reduce(f64::max)
 }

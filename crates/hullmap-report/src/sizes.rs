@@ -6,16 +6,12 @@ use hullmap_format::{
     sections::Sections,
 };
 
-/// One section of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Section {
     /// Its name in `docs/contributors/FORMAT.md`.
     pub name: &'static str,
-    /// Its content.
     pub purpose: &'static str,
-    /// Number of elements.
     pub count: usize,
-    /// Bytes.
     pub bytes: usize,
 }
 
@@ -54,7 +50,6 @@ mod tests {
 
     use crate::test_packs::{baked, cloud};
 
-    /// A section missing from the list would count as padding.
     #[test]
     fn no_section_is_left_out() {
         let (pack, contents) = baked(cloud(600), IndexKind::Tree);
@@ -62,7 +57,6 @@ mod tests {
         assert_eq!(sum, pack.byte_len());
         let root = contents.sections.last().unwrap();
         assert!(root.bytes < 160, "{root:?}");
-        // This pack records no source and no options; every other section is used.
         let empty = contents.sections.iter().filter(|section| section.bytes == 0).map(|section| section.name);
         assert_eq!(empty.collect::<Vec<_>>(), ["source_path", "options"]);
     }

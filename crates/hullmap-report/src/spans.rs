@@ -10,12 +10,10 @@
 use glam::{DVec3, Vec3};
 use hullmap::Hull;
 
-/// Height of one vertex above another from which a scan certainly finds the higher one, relative to
-/// the largest coordinate. Directions have a largest coordinate of 1.
-///
-/// Rounding a direction to f32 turns it by at most 6e-8 for each coordinate. That changes a height
-/// by at most 4e-7, and the directions of a row are off a line by as much. A scan orders heights
-/// from 3e-6 by its f32 dot products alone.
+/// Relative height of one vertex above another that is certain in a scan. Directions have a largest
+/// coordinate of 1: f32 turns them by at most 6e-8 for each coordinate, which changes a height by
+/// at most 4e-7, and directions of a row are off a line by as much. A scan orders heights from 3e-6
+/// by its f32 dot products alone.
 const CERTAIN: f64 = 1e-5;
 
 /// Maximum number of vertices. A scan of more takes less time than the heights of all of them.
@@ -27,7 +25,6 @@ const LEAST_REACH: f64 = 1e-20;
 /// Maximum largest coordinate. Dot products of larger hulls may overflow in f32.
 const MOST_REACH: f64 = 1e30;
 
-/// The vertices of a hull that is scanned.
 pub struct Scan {
     vertices: Vec<DVec3>,
     /// Height from which an answer is certain.
@@ -35,8 +32,7 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// `None` if the hull has many vertices, or is so small or large that its dot products may not
-    /// be accurate.
+    /// `None` for many vertices, or coordinates at which dot products may be inaccurate.
     pub fn new(hull: &Hull) -> Option<Self> {
         if hull.vertex_count() > MAX_VERTICES {
             return None;
@@ -46,9 +42,8 @@ impl Scan {
         (LEAST_REACH..=MOST_REACH).contains(&reach).then_some(Self { vertices, certain: CERTAIN * reach })
     }
 
-    /// The answers of `pixel` for `0..count` as runs: number of pixels and answer. Not all answers
-    /// are computed. The directions of the pixels are evenly spaced on a line, except for rounding
-    /// to f32.
+    /// The answers of `pixel` for `0..count` as runs: number of pixels and answer, not all of them
+    /// computed. The directions are evenly spaced on a line, except for rounding to f32.
     pub fn row<A>(
         &self,
         count: u32,

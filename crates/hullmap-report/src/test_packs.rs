@@ -22,7 +22,6 @@ pub fn cloud(count: usize) -> Vec<[f32; 3]> {
     points
 }
 
-/// A pack of the cloud, written to disk, and what is read from it.
 pub fn baked(positions: Vec<[f32; 3]>, kind: IndexKind) -> (Pack, Contents) {
     let source_vertices = (0..positions.len() as u32).collect();
     let set = PointSet { name: "cloud".to_owned(), positions, source_vertices, ..PointSet::default() };

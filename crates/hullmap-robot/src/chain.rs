@@ -106,7 +106,6 @@ impl Joint {
             (Motion::Ball, Displacement::Turn(turn)) => turn,
             _ => DQuat::IDENTITY,
         };
-        // About the anchor.
         Frame { rotation, translation: self.anchor - rotation * self.anchor }
     }
 }
@@ -127,16 +126,14 @@ pub struct Chain {
     pub links: Vec<Placement>,
     /// The joints that are not fixed. Joints of one link are in the order in which they move it.
     pub joints: Vec<Joint>,
-    /// What is not modelled.
+    /// Features that are not modelled.
     pub notes: Vec<String>,
     /// Faults of the description, and what is done instead, each with its line.
     pub warnings: Vec<String>,
-    /// The root of each link's tree, or a link nearer to it.
     towards_root: Vec<usize>,
 }
 
 impl Chain {
-    /// A chain of links that are all roots.
     pub(crate) fn new(link_count: usize) -> Self {
         let root = Placement { parent: None, rest: Frame::IDENTITY, is_world: false, is_mocap: false };
         Self { links: vec![root; link_count], towards_root: (0..link_count).collect(), ..Self::default() }
@@ -151,10 +148,8 @@ impl Chain {
         link
     }
 
-    /// Places a link in another one.
-    ///
-    /// # Errors
-    /// It has a parent already, or would be its own ancestor. The chain is as before.
+    /// Places a link in another one. On an error, which says that it has a parent or would be its
+    /// own ancestor, the chain is as before.
     pub(crate) fn attach(&mut self, child: usize, parent: usize, rest: Frame) -> Result<(), &'static str> {
         if self.links[child].parent.is_some() {
             return Err("its child has another joint already, so it closes a loop");
@@ -221,10 +216,8 @@ impl Chain {
         }
     }
 
-    /// The frame of each link in the world, for the displacement of each joint.
-    ///
-    /// # Complexity
-    /// O(links + joints).
+    /// The frame of each link in the world, for the displacement of each joint, in O(links +
+    /// joints).
     ///
     /// # Panics
     /// There are fewer displacements than joints.
@@ -290,8 +283,7 @@ impl Chain {
     }
 }
 
-/// The position of a joint in the neutral pose of URDF and SDF: 0, or the middle of its limits if
-/// they exclude 0, as in MoveIt.
+/// Neutral position in URDF and SDF: 0, or the middle of limits that exclude 0, as in MoveIt.
 pub(crate) fn neutral(limits: Option<[f64; 2]>) -> f64 {
     match limits {
         Some([low, high]) if !(low <= 0.0 && 0.0 <= high) => (low + high) / 2.0,
@@ -319,7 +311,6 @@ mod tests {
         }
     }
 
-    /// Two bars of length 1 in the plane, and a slider at the end.
     fn arm() -> Chain {
         let mut chain = Chain::new(3);
         let at = |x: f64| Frame { translation: DVec3::new(x, 0.0, 0.0), ..Frame::IDENTITY };
@@ -386,7 +377,6 @@ mod tests {
         assert_eq!(chain.robots(), [0, 0, 0, 0, 4, 4]);
         chain.links[1].is_mocap = true;
         assert_eq!((chain.rigid(), chain.robots()), (vec![0, 1, 2, 2, 4, 4], vec![0, 1, 1, 1, 4, 4]));
-        // As long as a file can make it.
         let mut long = Chain::new(300_000);
         for child in 1..300_000 {
             long.attach(child, child - 1, Frame::IDENTITY).unwrap();

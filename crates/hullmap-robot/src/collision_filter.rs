@@ -62,8 +62,7 @@ impl fmt::Display for SkipReason {
 pub struct CollisionFilter {
     /// For each link, the root of the links that it is rigidly connected to.
     rigid: Vec<usize>,
-    /// In MJCF, the same, since rigidly connected bodies have one parent. In other formats, the
-    /// link.
+    /// In MJCF the same, since rigidly connected bodies have one parent; otherwise, the link.
     group: Vec<usize>,
     /// For each link, the group of the parent of its own.
     parent: Vec<Option<usize>>,

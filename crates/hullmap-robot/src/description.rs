@@ -47,28 +47,26 @@ pub struct Description {
     pub links: Vec<Link>,
     /// Files that it names by paths relative to its folder.
     pub references: Vec<Reference>,
-    /// What is left alone, and why.
+    /// Elements that are left alone, with reasons.
     pub notes: Vec<String>,
     /// Faults that programs reject or read in different ways, each with its file and line.
     pub warnings: Vec<String>,
     /// How its joints move the links.
     pub chain: Chain,
-    /// What it states about contacts.
+    /// Its statements about contacts.
     pub contacts: Contacts,
     /// Elements whose geometry is not among the links.
     pub unread: Vec<Unread>,
-    /// Where names of meshes start.
     pub(crate) mesh_names: MeshNames,
     pub(crate) mjcf: Option<Model>,
 }
 
-/// What an MJCF file states about contacts. Other formats state nothing.
+/// Statements of an MJCF file about contacts. Other formats have none.
 #[derive(Clone, Debug, Default)]
 pub struct Contacts {
     /// Pairs of links without contacts: `exclude`.
     pub excluded: Vec<[usize; 2]>,
-    /// Pairs of geoms that are always tested: `pair`. Each is a link, and an index of its
-    /// collisions.
+    /// Pairs of geoms that are always tested: `pair`, each a link and an index of its collisions.
     pub paired: Vec<[[usize; 2]; 2]>,
     /// Whether parents and children are tested: the flag `filterparent` is disabled.
     pub tests_parents: bool,
@@ -89,15 +87,12 @@ pub struct Unread {
     pub reason: &'static str,
 }
 
-/// How a description names meshes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MeshNames {
-    /// The packages of its meshes.
     pub packages: Vec<NamedPackage>,
     /// Folder relative to the description, from which names of meshes start.
     pub folder: String,
-    /// The only folder of meshes, relative to the description, if programs remove folders from
-    /// names.
+    /// The only folder of meshes, relative to the description, if programs ignore folders in names.
     pub only_folder: Option<String>,
 }
 
@@ -110,11 +105,10 @@ pub struct Link {
     pub document: usize,
     /// Its line, from 1.
     pub line: u32,
-    /// What collides.
+    /// Its collision shapes.
     pub collisions: Vec<Shape>,
-    /// What is only drawn.
+    /// Shapes that are only drawn.
     pub visuals: Vec<Shape>,
-    /// Where its element starts.
     pub(crate) at: usize,
     /// Whether a collision may be made from its visuals.
     pub takes_visuals: bool,
@@ -163,7 +157,7 @@ pub enum Geometry {
     Mesh(MeshUse),
     /// A box, cylinder, sphere or another primitive.
     Primitive(NamedPrimitive),
-    /// What cannot become a hull, with the reason.
+    /// A geometry that cannot become a hull, with the reason.
     Other(String),
 }
 
@@ -217,50 +211,29 @@ pub struct Reference {
 
 /// A change of a description.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "fields are named after their contents")]
 pub enum Change {
-    /// A collision gets these meshes, which are named as in the description: see
-    /// [`Description::mesh_name`]. There is at least one.
-    Replace {
-        /// Index of the link.
-        link: usize,
-        /// Index of the collision.
-        collision: usize,
-        /// Names of the meshes.
-        meshes: Vec<String>,
-    },
+    /// A collision gets these meshes, named as by [`Description::mesh_name`], at least one.
+    Replace { link: usize, collision: usize, meshes: Vec<String> },
     /// Collisions are made from a visual: one for each mesh, or one with its primitive.
     FromVisual {
-        /// Index of the link.
         link: usize,
-        /// Index of the visual.
         visual: usize,
         /// Names of the meshes; `None` for a primitive.
         meshes: Option<Vec<String>>,
     },
     /// The inertia of a link that states its mass is replaced.
     Inertia {
-        /// Index of the link.
         link: usize,
-        /// The centre of mass.
         center: [f64; 3],
         /// Rows of the tensor about it, in the axes of the link.
         inertia: [[f64; 3]; 3],
     },
-    /// Contacts of pairs of links are excluded. Only in MJCF, and of bodies with names.
-    Exclude {
-        /// Indices of the links.
-        pairs: Vec<[usize; 2]>,
-        /// A comment before them.
-        comment: String,
-    },
+    /// Contacts of pairs of links are excluded, in MJCF, for bodies with names.
+    Exclude { pairs: Vec<[usize; 2]>, comment: String },
     /// A collision is removed. In MJCF, a geom that is drawn, has mass or is named by another
-    /// element stays, and does not collide any more.
-    Remove {
-        /// Index of the link.
-        link: usize,
-        /// Index of the collision.
-        collision: usize,
-    },
+    /// element stays, but no longer collides.
+    Remove { link: usize, collision: usize },
 }
 
 impl Change {
@@ -291,9 +264,8 @@ impl Description {
         self.mesh_names.only_folder.as_ref().map(|folder| target.join(folder))
     }
 
-    /// The name of a mesh in the description, if the description is written to the folder `target`.
-    /// Both paths are absolute. If other meshes are named by package or model, so is this one: by
-    /// the name that they use, which need not be the name in `package.xml`.
+    /// The name of a mesh in the description, if that is written to the folder `target`; both paths
+    /// are absolute. It is by package or model if others are, by the name that they use.
     ///
     /// # Errors
     /// There is no such name, for instance because the mesh is on another drive.
@@ -313,21 +285,16 @@ impl Description {
     }
 }
 
-/// Finite numbers, separated by white space; `None` for anything else.
 pub(crate) fn numbers(text: &str) -> Option<Vec<f64>> {
     let numbers = text.split_whitespace().map(|word| word.parse().ok().filter(|number: &f64| number.is_finite()));
     numbers.collect()
 }
 
-/// Three numbers, separated by white space; `None` for anything else.
 pub(crate) fn triple(text: &str) -> Option<[f64; 3]> {
     numbers(text)?.try_into().ok()
 }
 
-/// The factors that a scale states: three, or one for all axes.
-///
-/// # Errors
-/// It is something else, or 0.
+/// Three factors, or one for all axes, not 0.
 pub(crate) fn scale(text: Option<&str>) -> Result<[f64; 3], String> {
     let Some(text) = text else { return Ok([1.0; 3]) };
     let factors = triple(text).or_else(|| text.trim().parse().ok().map(|factor: f64| [factor; 3]));
@@ -357,7 +324,6 @@ pub(crate) fn reference(written: &str, places: &Places, folder: &Path, root: &Pa
     Some(Reference { path: below.into(), written: written.to_owned(), file })
 }
 
-/// The packages that meshes name.
 pub(crate) fn packages_of(links: &[Link]) -> Vec<NamedPackage> {
     let mut packages: Vec<NamedPackage> = Vec::new();
     let meshes = links.iter().flat_map(Link::meshes).filter(|mesh| Scheme::split(&mesh.written).is_some());

@@ -18,10 +18,8 @@ const MAX_BYTES: u64 = 64 << 20;
 /// Maximum number of nodes: with about 100 bytes a node, 100 MB.
 const MAX_NODES: u32 = 1_000_000;
 
-/// Maximum number of prefixes without a namespace.
 const MAX_PREFIXES: usize = 32;
 
-/// Encoding of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Encoding {
     Utf8,
@@ -37,11 +35,10 @@ pub struct Document {
     path: PathBuf,
     bytes: Vec<u8>,
     encoding: Encoding,
-    /// Length of the byte order mark.
     mark: usize,
     /// Decoded, without the mark.
     text: String,
-    /// What the parser reads, if it differs from the text. It has the same length.
+    /// The parser's text, of the same length, if it differs.
     prepared: Option<String>,
 }
 
@@ -194,8 +191,7 @@ fn line_of(text: &str, at: usize) -> u32 {
     1 + text.as_bytes()[..at.min(text.len())].iter().filter(|&&byte| byte == b'\n').count() as u32
 }
 
-/// The encoding of a file without a byte order mark: the encoding in the XML declaration, unless
-/// the text is UTF-8.
+/// Encoding by the XML declaration, unless the text is UTF-8.
 fn declared(bytes: &[u8]) -> Encoding {
     let head = &bytes[..bytes.len().min(200)];
     let head = String::from_utf8_lossy(head).to_lowercase();

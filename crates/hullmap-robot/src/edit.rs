@@ -7,17 +7,14 @@ use std::ops::Range;
 pub struct Edit {
     /// Bytes of the decoded text.
     pub span: Range<usize>,
-    /// What replaces them.
     pub text: String,
 }
 
 impl Edit {
-    /// Replaces a span.
     pub fn replace(span: Range<usize>, text: impl Into<String>) -> Self {
         Self { span, text: text.into() }
     }
 
-    /// Inserts a text at a place.
     pub fn insert(at: usize, text: impl Into<String>) -> Self {
         Self { span: at..at, text: text.into() }
     }

@@ -29,12 +29,10 @@ pub fn escaped(text: &str) -> String {
     escaped
 }
 
-/// The first child with this name.
 pub fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {
     node.children().find(|child| child.is_element() && child.tag_name().name() == name)
 }
 
-/// All children with this name.
 pub fn children<'a, 'input>(node: Node<'a, 'input>, name: &'a str) -> impl Iterator<Item = Node<'a, 'input>> {
     node.children().filter(move |child| child.is_element() && child.tag_name().name() == name)
 }
@@ -57,7 +55,6 @@ pub fn without(node: Node, text: &str, name: &str) -> Option<Edit> {
     Some(Edit::replace(start..span.end, ""))
 }
 
-/// The span of the name in an element's start tag.
 pub fn name_span(node: Node, text: &str) -> Range<usize> {
     let start = node.range().start + 1;
     let len = text[start..].find(|c: char| c.is_whitespace() || matches!(c, '/' | '>')).unwrap_or_default();
@@ -88,7 +85,6 @@ pub fn lead(node: Node, text: &str) -> Range<usize> {
     line..start
 }
 
-/// Removes an element, with the white space before it.
 pub fn removed(node: Node, text: &str) -> Edit {
     Edit::replace(lead(node, text).start..node.range().end, "")
 }
@@ -107,7 +103,6 @@ mod tests {
     use super::*;
     use crate::edit::edited;
 
-    /// The result of edits of the first child element.
     fn after(text: &str, edits: impl Fn(Node) -> Vec<Edit>) -> String {
         let document = roxmltree::Document::parse(text).unwrap();
         let node = document.root_element().first_element_child().unwrap();

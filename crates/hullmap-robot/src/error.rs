@@ -17,12 +17,10 @@ pub struct RobotError {
 }
 
 impl RobotError {
-    /// A file that is rejected for what it contains.
     pub(crate) fn rejected(file: &Path, line: Option<u32>, message: impl Into<String>) -> Self {
         Self { file: file.to_owned(), line, message: message.into(), is_unreadable: false }
     }
 
-    /// A file that cannot be read.
     pub(crate) fn unreadable(file: &Path, message: impl Into<String>) -> Self {
         Self { file: file.to_owned(), line: None, message: message.into(), is_unreadable: true }
     }

@@ -60,8 +60,7 @@ impl Description {
     }
 }
 
-/// Where the expansion of a file with macros may go: `arm.urdf` for `arm.xacro` and
-/// `arm.urdf.xacro`, `arm_expanded.urdf` for `arm.urdf`.
+/// `arm.urdf` for `arm.xacro` and `arm.urdf.xacro`, `arm_expanded.urdf` for `arm.urdf`.
 fn expanded(path: &Path) -> PathBuf {
     let stem = path.with_extension("");
     if path.extension().is_some_and(|extension| extension == "xacro") {
@@ -71,7 +70,6 @@ fn expanded(path: &Path) -> PathBuf {
     stem.with_file_name(format!("{name}_expanded.urdf"))
 }
 
-/// Whether this is an element of xacro.
 fn is_xacro(node: roxmltree::Node, document: &Document) -> bool {
     node.is_element() && document.text()[node.range().start + 1..].starts_with("xacro:")
 }

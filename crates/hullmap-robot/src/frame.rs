@@ -2,9 +2,8 @@
 
 use glam::{DQuat, DVec3, EulerRot};
 
-/// Placement of a frame in another one: a rotation, then a translation.
-///
-/// `a * b` is b's placement in a's parent.
+/// Placement of a frame in another one: a rotation, then a translation. `a * b` is b's in a's
+/// parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// The rotation, of unit length.
@@ -58,7 +57,6 @@ mod tests {
         assert!(both.apply(DVec3::Y).abs_diff_eq(DVec3::new(1.0, 2.0, 1.0), 1e-15));
         let back = both.inverse() * both;
         assert!(back.translation.length() < 1e-15 && back.rotation.abs_diff_eq(DQuat::IDENTITY, 1e-15));
-        // Roll is applied first.
         let rolled = Frame::of_xyz_rpy([0.0, 0.0, 0.0, FRAC_PI_2, 0.0, FRAC_PI_2]);
         assert!(rolled.apply(DVec3::Y).abs_diff_eq(DVec3::Z, 1e-15));
     }

@@ -1,7 +1,6 @@
 //! XML as robot programs read it: TinyXML accepts some texts that XML 1.0 does not allow.
 //!
-//! [`prepared`] replaces such texts by others of the same length, so that spans stay valid. Only
-//! the parser reads the result; edits apply to the original text.
+//! [`prepared`] replaces them for the parser by texts of the same length, so that spans stay valid.
 //!
 //! | accepted | replaced by |
 //! |---|---|
@@ -20,16 +19,11 @@ pub const MAX_DEPTH: usize = 1000;
 #[derive(Debug, PartialEq, Eq)]
 pub struct TooDeep(pub usize);
 
-/// The text for the parser, of the same length. Faults that are not listed above are left to the
-/// parser, which reports them.
-///
-/// # Errors
-/// [`TooDeep`].
+/// The text for the parser, of the same length, which reports other faults.
 pub fn prepared(text: &str) -> Result<Cow<'_, str>, TooDeep> {
     let mut blank: Vec<std::ops::Range<usize>> = Vec::new();
     let bytes = text.as_bytes();
     let (mut at, mut depth) = (0, 0_usize);
-    // Where the root ends.
     let mut root = None;
     let find = |from: usize, what: &str| text[from..].find(what).map_or(text.len(), |found| from + found);
     while let Some(next) = text[at..].find('<').map(|found| at + found) {

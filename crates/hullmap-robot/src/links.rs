@@ -16,33 +16,25 @@ use crate::frame::Frame;
 use crate::places::Unresolved;
 use crate::primitive::{NamedPrimitive, Primitive};
 
-/// Finds the file of a mesh by its name.
 pub(crate) type Find<'f> = dyn Fn(&str) -> Result<PathBuf, Unresolved> + 'f;
 
-/// How a format writes links.
 pub(crate) struct Dialect {
     pub(crate) format: Format,
-    /// Solids that need no mesh.
     pub(crate) primitives: &'static [&'static str],
     /// The name of a link in messages, from its element and the name there.
     pub(crate) link_name: fn(Node, &str) -> String,
     /// The file and the scale that a `mesh` element states.
     pub(crate) mesh: for<'a> fn(Node<'a, 'a>) -> [Option<&'a str>; 2],
-    /// The part of the file that a `mesh` element states.
     pub(crate) submesh: fn(Node) -> Option<Submesh>,
     /// The pose of an element in its link; `None` if it is not known.
     pub(crate) pose: fn(Node) -> Option<Frame>,
     /// The numbers of an attribute or element of a primitive; empty if it is missing.
     pub(crate) sizes: fn(Node, &str) -> Vec<f64>,
-    /// The mass that a link states.
     pub(crate) mass: fn(Node) -> Option<f64>,
 }
 
 impl Dialect {
-    /// The links at `nodes`. `find` returns the files of meshes.
-    ///
-    /// # Errors
-    /// Two links have one name, or a link has none.
+    /// `find` returns the files of meshes.
     pub(crate) fn links<'t>(
         &self,
         nodes: impl Iterator<Item = Node<'t, 't>>,
@@ -104,7 +96,6 @@ impl Dialect {
         }
     }
 
-    /// The description of a single document.
     pub(crate) fn description(
         &self,
         (name, document): (String, Document),

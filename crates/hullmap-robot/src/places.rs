@@ -7,10 +7,8 @@
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
-/// Maximum number of folders above a description that are searched for a package.
 const MAX_ABOVE: usize = 64;
 
-/// Maximum size of a `package.xml` in bytes.
 const MAX_PACKAGE_XML: u64 = 1 << 20;
 
 /// The folders in which files are looked for.
@@ -44,21 +42,17 @@ pub struct InlineMesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A name in a description, and where it starts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Name<'a> {
     /// As it is written, or without its folders.
     pub name: &'a str,
-    /// The folder from which relative names start.
     pub folder: &'a Path,
     /// The attribute that states this folder, with its value; empty if none does.
     pub stated_by: &'a str,
-    /// What to do if the file is missing.
     pub remedy: &'a str,
 }
 
 impl<'a> Name<'a> {
-    /// A name of a mesh in a description in `folder`.
     pub(crate) fn of_mesh(name: &'a str, folder: &'a Path) -> Self {
         Self { name, folder, stated_by: "", remedy: "restore it, or leave its link alone with `bake robot --skip`" }
     }
@@ -67,7 +61,6 @@ impl<'a> Name<'a> {
 /// A package, by the name that a description uses for it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct NamedPackage {
-    /// `package://` or `model://`.
     pub scheme: Scheme,
     /// Its name there, which may be the name of its folder or the name in its `package.xml`.
     pub name: String,
@@ -86,8 +79,7 @@ impl NamedPackage {
         Some(Self { scheme, name: package.to_owned(), folder })
     }
 
-    /// The name of a file in this package, for a description in the folder `target`, which must be
-    /// in the same package.
+    /// Name for a description in the folder `target`, which must be in the same package.
     pub(crate) fn name_of(&self, file: &Path, target: &Path) -> Option<String> {
         let below = file.strip_prefix(&self.folder).ok().filter(|_| target.starts_with(&self.folder))?;
         let below = below.to_str()?.replace('\\', "/");
@@ -122,7 +114,6 @@ impl Scheme {
         }
     }
 
-    /// The file that marks its folders.
     fn mark(self) -> &'static str {
         match self {
             Self::Package => "package.xml",
@@ -158,10 +149,6 @@ impl Places {
         self.find(Name::of_mesh(name, folder))
     }
 
-    /// The file that a name leads to.
-    ///
-    /// # Errors
-    /// As for [`Self::resolve`].
     pub(crate) fn find(&self, of: Name) -> Result<PathBuf, Unresolved> {
         let (name, folder) = (of.name.trim(), of.folder);
         if name.is_empty() {
@@ -211,7 +198,6 @@ impl Places {
         }
     }
 
-    /// The path of `PACKAGE/REST`.
     fn in_package(&self, scheme: Scheme, rest: &str, folder: &Path) -> Result<PathBuf, Unresolved> {
         // `package:///` is as common as `package://`.
         let rest = rest.trim_start_matches('/');
@@ -264,7 +250,6 @@ impl Places {
     }
 }
 
-/// The folder of a file.
 pub(crate) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if folder != Path::new("") => folder,
@@ -272,7 +257,6 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// The name that the `package.xml` of a folder states.
 fn stated_name(folder: &Path) -> Option<String> {
     let path = folder.join(Scheme::Package.mark());
     let kind = std::fs::metadata(&path).ok()?;
@@ -391,7 +375,6 @@ mod tests {
         assert_eq!(named(Scheme::Package, "ws/checkout/x/y.obj").as_deref(), Some("other"));
         assert_eq!(named(Scheme::Model, "else/far/x.obj").as_deref(), Some("far"));
         assert_eq!(named(Scheme::Model, "ws/arm/x.obj"), None);
-        // A package keeps the name that the description uses for it.
         for name in ["checkout", "other"] {
             let package =
                 NamedPackage::of(&format!("package:///{name}/./c.stl"), &root.join("ws/checkout/c.stl")).unwrap();

@@ -30,17 +30,11 @@ const DIALECT: Dialect = Dialect {
     mass,
 };
 
-/// Children of a visual that a collision does not have.
 const ONLY_VISUAL: [&str; 7] =
     ["material", "transparency", "cast_shadows", "visibility_flags", "lighting", "meta", "plugin"];
 
-/// Elements that name files.
 const FILES: [&str; 5] = ["uri", "script", "albedo_map", "normal_map", "filename"];
 
-/// Finds the links of all models.
-///
-/// # Errors
-/// Two links of a model have one name, or a link has none.
 pub(crate) fn read(document: Document, places: &Places) -> Result<Description, RobotError> {
     let tree = document.parse()?;
     let folder = folder_of(document.path());
@@ -69,8 +63,7 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
     Ok(Description { unread, ..DIALECT.description((name, document), links, references, notes, chain) })
 }
 
-/// The name of a link, preceded by the names of the models that contain it, unless there is only
-/// one model.
+/// Preceded by the names of the models that contain it, unless there is only one.
 fn qualified(link: Node, name: &str) -> String {
     let models: Vec<Node> = link.ancestors().filter(|node| node.has_tag_name("model")).collect();
     let is_alone = |model: &Node| {
@@ -80,13 +73,11 @@ fn qualified(link: Node, name: &str) -> String {
     outer.chain(std::iter::once(name)).collect::<Vec<_>>().join("::")
 }
 
-/// The file and the scale of a `mesh` element.
 fn mesh<'a>(mesh: Node<'a, 'a>) -> [Option<&'a str>; 2] {
     let text = |name: &str| child(mesh, name).and_then(|element| element.text());
     [text("uri").map(str::trim), text("scale")]
 }
 
-/// The part of a file that a `mesh` element states.
 fn submesh(mesh: Node) -> Option<Submesh> {
     let submesh = child(mesh, "submesh")?;
     let text = |name: &str| child(submesh, name).and_then(|element| element.text()).map(str::trim);
@@ -101,10 +92,6 @@ fn mass(link: Node) -> Option<f64> {
     mass.trim().parse().ok().filter(|mass: &f64| *mass > 0.0 && mass.is_finite())
 }
 
-/// The edits that make these changes.
-///
-/// # Errors
-/// The document can no longer be parsed.
 pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> Result<Vec<Edit>, RobotError> {
     let tree = document.parse()?;
     let nodes: BTreeMap<usize, Node> =
@@ -177,8 +164,7 @@ fn of_inertial(node: Node, text: &str, [x, y, z]: [f64; 3], tensor: [[f64; 3]; 3
     vec![pose, inertia]
 }
 
-/// Edits that give a shape another mesh, which is a whole file and convex. So nothing that divides
-/// meshes applies to it.
+/// Nothing that divides meshes applies to the new one, which is a whole file and convex.
 fn renamed(node: Node, text: &str, name: &str) -> Vec<Edit> {
     let mut edits: Vec<Edit> = uri_of(node).map(|span| Edit::replace(span, escaped(name))).into_iter().collect();
     if let Some(mesh) = child(node, "geometry").and_then(|geometry| child(geometry, "mesh")) {
@@ -189,7 +175,6 @@ fn renamed(node: Node, text: &str, name: &str) -> Vec<Edit> {
     edits
 }
 
-/// The span of the text in a shape's `uri`.
 fn uri_of(node: Node) -> Option<Range<usize>> {
     let uri = child(child(child(node, "geometry")?, "mesh")?, "uri")?;
     Some(uri.first_child()?.range().start..uri.last_child()?.range().end)

@@ -40,7 +40,7 @@ pub fn srdf(robot: &str, comment: &str, pairs: &[DisabledPair]) -> String {
     text + "</robot>\n"
 }
 
-/// What an SRDF file states about collisions, by the names of the links. Pairs override links.
+/// Collisions in an SRDF file, by the names of the links. Pairs override links.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SrdfPairs {
     /// Pairs that are not tested: `disable_collisions`.
@@ -51,7 +51,7 @@ pub struct SrdfPairs {
     pub disabled_links: Vec<String>,
 }
 
-/// What an SRDF file states about collisions.
+/// The collisions in an SRDF file.
 ///
 /// # Errors
 /// The file cannot be read, is not SRDF, or an element does not name its links.

@@ -31,10 +31,6 @@ const DIALECT: Dialect = Dialect {
     mass,
 };
 
-/// Finds the links of a description.
-///
-/// # Errors
-/// Two links have one name, or a link has none.
 pub(crate) fn read(document: Document, places: &Places) -> Result<Description, RobotError> {
     let tree = document.parse()?;
     let root = tree.root_element();
@@ -60,7 +56,6 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
 /// a folder of meshes, or remove folders from their names. Other programs ignore it.
 struct MeshFiles<'a> {
     compiler: Compiler<'a>,
-    /// The folder of the description.
     folder: &'a Path,
     places: &'a Places,
 }
@@ -71,7 +66,7 @@ impl MeshFiles<'_> {
         self.compiler.opened("mesh").unwrap_or_default().path
     }
 
-    /// Where MuJoCo looks for a mesh; `None` if it does as other programs do, or finds none.
+    /// Where MuJoCo looks for a mesh, if elsewhere than other programs.
     fn start<'n>(&self, name: &'n str) -> Option<Start<'n>> {
         let starts_from_root = name.contains("://") || Path::new(name.trim()).has_root();
         let differs = self.compiler.strips() || !self.meshes().is_empty() && !starts_from_root;
@@ -92,7 +87,6 @@ impl MeshFiles<'_> {
         }
     }
 
-    /// A warning if MuJoCo reads another file than other programs.
     fn ambiguity(&self, name: &str) -> Option<String> {
         let by_mujoco = self.places.find(self.start(name)?.name()).ok()?;
         let by_others = self.places.resolve(name, self.folder).ok()?;
@@ -116,7 +110,6 @@ impl MeshFiles<'_> {
         if written.iter().any(needs_folder) { self.meshes().to_owned() } else { String::new() }
     }
 
-    /// The files of a name, as MuJoCo and as other programs read it.
     fn references<'n>(&self, name: &'n str) -> impl Iterator<Item = Reference> + use<'n> {
         let by_mujoco = self.start(name).and_then(|start| {
             let own = reference(start.name, self.places, &start.folder, self.folder)?;
@@ -126,10 +119,6 @@ impl MeshFiles<'_> {
     }
 }
 
-/// The edits that make these changes.
-///
-/// # Errors
-/// The document can no longer be parsed.
 pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> Result<Vec<Edit>, RobotError> {
     let tree = document.parse()?;
     let nodes: BTreeMap<usize, Node> =
@@ -170,7 +159,6 @@ pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> 
     Ok(edits)
 }
 
-/// The mass that a link states.
 fn mass(link: Node) -> Option<f64> {
     let value = child(child(link, "inertial")?, "mass")?.attribute("value")?;
     value.trim().parse().ok().filter(|mass: &f64| *mass > 0.0 && mass.is_finite())
@@ -220,14 +208,12 @@ fn part(node: Node, text: &str, mesh: &str, index: Option<usize>, names: &mut BT
     text[lead(node, text)].to_owned() + &edited(text, node.range(), edits)
 }
 
-/// The name of a part, if the element has a name.
 fn renamed(node: Node, text: &str, index: Option<usize>, names: &mut BTreeSet<String>) -> Option<Edit> {
     let name = node.attribute("name").filter(|name| !name.is_empty())?;
     let name = index.map_or_else(|| name.to_owned(), |index| format!("{name}_part_{index:02}"));
     Some(set(node, text, "name", &unique(&name, names)))
 }
 
-/// A collision with the pose of a visual.
 fn from_visual(
     node: Node,
     text: &str,

@@ -2,13 +2,12 @@
 //!
 //! In turn, by the index in the list modulo 8:
 //! - 0, 1, 2: random on the sphere, with lengths from 2^-30 to 2^30;
-//! - 3, 4: face normals, exact to f32 and perturbed by 1, 0.1, … 1e-8: several vertices tie, or
-//!   nearly;
-//! - 5: edge normals, anywhere on the arc between the normals of the two faces, perturbed likewise;
+//! - 3, 4: face normals, exact to f32 and perturbed by 1, 0.1, … 1e-8: several vertices nearly tie;
+//! - 5: edge normals, anywhere between the normals of the two faces, perturbed likewise;
 //! - 6: axes, diagonals, and seams of the cube map (|x| = |y|), perturbed likewise;
 //! - 7: borders of cube-map cells, up to 1024 per side, and one ulp beside them.
 //!
-//! Deviation: hulls without faces (ranks 0 and 1) get random directions in place of 3, 4 and 5.
+//! Hulls without faces (ranks 0 and 1) get random directions in place of 3, 4 and 5.
 
 use glam::{DVec3, Vec3};
 
@@ -20,15 +19,13 @@ const DISTURBANCES: [f64; 10] = [0.0, 1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1
 /// Lengths of random directions range from 2^−30 to 2^30.
 const LENGTH_BITS: u64 = 30;
 
-/// Two unit normals are opposite if the squared length of their sum is below this: the rim of a
-/// flat hull.
+/// Squared sum of two unit normals below which they are opposite, as at the rim of a flat hull.
 const OPPOSITE_NORMALS_SQ: f64 = 1e-20;
 
 /// Finest cube map whose cell borders are tried, as a power of two.
 const BORDER_BITS: u64 = 10;
 
-/// `count` directions for a hull with these vertices and faces (polygons of vertex indices); all
-/// finite and non-zero.
+/// `count` finite directions other than zero for a hull with these vertices and faces.
 pub fn directions(vertices: &[Vec3], faces: &[Vec<u32>], count: usize, seed: u64) -> Vec<Vec3> {
     let normals: Vec<DVec3> = faces.iter().map(|face| normal(vertices, face)).collect();
     let edges = edges(vertices, faces, &normals);
@@ -90,7 +87,6 @@ fn pick(random: &mut SplitMix, turn: usize, len: usize, share: usize) -> usize {
     if len <= share { turn % len } else { random.below(len) }
 }
 
-/// `dir`, of about unit length, moved by the perturbation whose turn it is.
 fn disturb(random: &mut SplitMix, dir: DVec3, turn: usize) -> DVec3 {
     dir + random.in_ball_f64() * DISTURBANCES[turn % DISTURBANCES.len()]
 }
@@ -216,7 +212,6 @@ mod tests {
         }
     }
 
-    /// All along each arc at least two vertices are extreme.
     fn check_arcs(vertices: &[Vec3], faces: &[Vec<u32>], count: usize) {
         let normals: Vec<DVec3> = faces.iter().map(|face| normal(vertices, face)).collect();
         let arcs = edges(vertices, faces, &normals);

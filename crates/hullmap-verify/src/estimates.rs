@@ -1,5 +1,4 @@
-//! Estimates of how the parts of an object fit together, and the summary of an object in the rows
-//! of a build.
+//! Estimates of how the parts of an object fit together, and its summary in the rows of a build.
 
 use hullmap_bake::PointSet;
 use hullmap_bake::advice::usability::{Doubt, ObjectMeasures};
@@ -10,8 +9,7 @@ use hullmap_bake::hull::{self, Hull};
 use hullmap_bake::symmetry::{Mirror, mirror_of_parts};
 use serde::Serialize;
 
-/// Maximum number of parts of an object that are compared with each other. A pack may be hostile,
-/// and the time grows with the square of the number.
+/// A pack may be hostile, and the time grows with the square of the number.
 const MAX_PARTS: usize = 4096;
 
 /// Estimates of how the parts of one object fit together. Field names are the JSON's; `None` if
@@ -30,7 +28,7 @@ pub struct PartsEstimates {
     pub voids: Option<f64>,
     /// Error of `voids`: twice its standard deviation.
     pub voids_error: Option<f64>,
-    /// Whether every point of the solid is in a part, proven; `None` if that was not requested, or
+    /// Whether every point of the solid is proven to be in a part; `None` if not requested, or if
     /// the mesh is not closed.
     pub filled: Option<bool>,
     /// The plane about which the parts are symmetric, in their frame; `None` if there is none.

@@ -1,21 +1,17 @@
 //! Judges how parts fit their mesh: searches for a point that refutes a recorded bound.
 //!
-//! It shares no measurement with the baker. Distances from parts come from the runtime solver,
-//! distances from the solid from [`TriangleSoup`]. The claim is refuted by one point, which is
-//! reported.
+//! It shares no measurement with the baker: distances from parts come from the runtime solver,
+//! distances from the solid from [`TriangleSoup`]. One point, which is reported, refutes the claim.
 //!
 //! # Steps
-//! 1. The point that the pack records as the worst. For uncovered surface, the point that the baker
-//!    finds: gaps may be too small for samples. Wherever a point comes from, it refutes a claim
-//!    only by its distance.
+//! 1. The point that the pack records as the worst; for uncovered surface, the baker's, since gaps
+//!    may be too small for samples. A point refutes a claim only by its distance.
 //! 2. Vertices, and a seeded sample of the surface.
-//! 3. Branch and bound over the surface, greatest bound first: cells that can hold no point beyond
-//!    the claim are dropped. A cell with the greatest value so far is halved towards greater values
-//!    until it is a point.
+//! 3. Branch and bound over the surface, greatest bound first, without cells below the claim. A
+//!    cell with the greatest value so far is halved towards greater values until it is a point.
 //! 4. A sample of the inside of the part, for cavities: see [`Judge::protrusion`].
 //!
-//! # Complexity
-//! The number of cells is limited. A claim that is not refuted within it passes.
+//! The number of cells is limited. A claim that is not refuted by then passes.
 
 use std::collections::BinaryHeap;
 
@@ -30,7 +26,6 @@ use crate::outside::to_point;
 use crate::random::SplitMix;
 use crate::soup::{Triangle, TriangleSoup, closest};
 
-/// Maximum number of cells of one search.
 const MAX_CELLS: usize = 40_000;
 
 /// Number of cells halved at a time, on all threads.
@@ -299,7 +294,6 @@ fn sampled(
     found.map(|(distance, at)| Witness { distance, at })
 }
 
-/// Branch and bound for a point whose value exceeds the claim.
 fn search(
     triangles: &[Triangle],
     claim: f64,
@@ -357,7 +351,6 @@ mod tests {
     use hullmap_bake::fit::fits;
     use hullmap_bake::{BakedHull, IndexKind, SourceRecord, bake_hull, write_pack};
 
-    /// An L of two boxes as one watertight prism.
     fn corner() -> PointSet {
         let outline = [[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0_f32]];
         let positions: Vec<[f32; 3]> = [0.0, 1.0].iter().flat_map(|z| outline.map(|[x, y]| [x, y, *z])).collect();
@@ -373,7 +366,6 @@ mod tests {
         PointSet { name: "l".into(), positions, source_vertices, triangles, ..PointSet::default() }
     }
 
-    /// A part with these vertices of the L.
     fn part(mesh: &PointSet, vertices: &[usize]) -> BakedHull {
         let points = PointSet {
             positions: vertices.iter().map(|v| mesh.positions[*v]).collect(),
@@ -406,7 +398,6 @@ mod tests {
         assert!((truth..1.006 * truth).contains(&claimed), "{claimed}");
         assert!(judge.is_in(&hull, at) && !judge.is_in(&hull, DVec3::splat(9.0)));
         assert_eq!(judge.protrusion(&hull, claimed, Some(at)), None);
-        // One percent too little, with and without the recorded point.
         for start in [Some(at), None] {
             let found = judge.protrusion(&hull, 0.99 * truth, start).unwrap();
             assert!((0.99 * truth..=truth).contains(&found.distance), "{found:?}");
@@ -417,7 +408,6 @@ mod tests {
     #[test]
     fn a_missing_corner_of_the_surface_is_found() {
         let mesh = corner();
-        // The upper arm ends below the top of the L.
         let mut upper = part(&mesh, &[0, 3, 4, 5, 6, 9, 10, 11]);
         let flat = part(&mesh, &[0, 1, 2, 6, 7, 8]);
         upper.name = "upper".into();

@@ -11,9 +11,8 @@ pub fn positions(hull: &Hull) -> Vec<[f32; 3]> {
 /// Vertex indices of each face, counter-clockwise seen from outside. A polygon has two faces, a
 /// segment and a point have none.
 ///
-/// A lean pack has no faces of large hulls. They are built again from the vertices, which takes as
-/// long as baking the hull. There are no faces if the vertices are not the vertices of a convex
-/// hull.
+/// A lean pack lacks the faces of large hulls, which are built again from the vertices, in the time
+/// of a bake; none if these are not the vertices of a convex hull.
 pub fn polygons(hull: &Hull) -> Vec<Vec<u32>> {
     if hull.face_count() > 0 || hull.rank() < 2 {
         return hull.faces().map(Iterator::collect).collect();
@@ -22,8 +21,7 @@ pub fn polygons(hull: &Hull) -> Vec<Vec<u32>> {
     built.map_or_else(Vec::new, |built| built.faces)
 }
 
-/// The convex hull of a hull's vertices, as the baker builds it; `None` if there is none. It has
-/// the same vertices if they are the vertices of a convex hull.
+/// The convex hull of a hull's vertices, as the baker builds it, if there is one.
 pub fn rebuilt(hull: &Hull) -> Option<hull::Hull> {
     let positions = positions(hull);
     let source_vertices = (0..positions.len() as u32).collect();

@@ -1,5 +1,4 @@
-//! Proof of the direction indices of a pack, from its bytes: see
-//! [`hullmap_bake::index::certify`].
+//! Proof of the direction indices of a pack, from its bytes: see [`hullmap_bake::index::certify`].
 
 use hullmap::Pack;
 use hullmap_bake::index::certify::{Proof, certify};
@@ -13,10 +12,8 @@ use rayon::prelude::*;
 
 use crate::geometry::positions;
 
-/// Proves the index of each hull, or states why it is not proven.
-///
-/// The hulls are built again from the stored vertices: a proof relies on no other stored data.
-/// Complexity: the cost of baking the hulls without their indices, plus the cost of the proofs.
+/// Proves the index of each hull, built again from the stored vertices alone. Complexity: the cost
+/// of baking the hulls without their indices, plus the cost of the proofs.
 pub fn prove(pack: &Pack) -> Vec<Result<Proof, String>> {
     let sections = match Sections::read(pack.bytes().get(HEADER_LEN..).unwrap_or_default()) {
         Ok(sections) => sections,

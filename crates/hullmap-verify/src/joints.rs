@@ -1,5 +1,4 @@
-//! Rays that meet a vertex or the middle of two vertices without rounding: an answer must not be
-//! farther away than this point.
+//! Rays that meet a vertex or the middle of two vertices without rounding: no answer may be behind.
 
 use glam::DVec3;
 use hullmap::{CastSettings, Compound, Pack, Ray, RayHit, SupportMap, compound};
@@ -9,7 +8,6 @@ use crate::random::SplitMix;
 /// Rounding error of a t, which is at most a few units of [`f64::EPSILON`].
 const ROUNDING: f64 = 1e-12;
 
-/// Maximum number of rays at the parts of a pack.
 const MAX_RAYS: usize = 2_000;
 
 /// A ray, and a t at which it meets a surface exactly; infinite if none is known.
@@ -20,8 +18,7 @@ pub(crate) struct AimedRay {
 }
 
 impl AimedRay {
-    /// The ray from near `from` whose point at t = 1 is the target, without rounding. `None` if
-    /// there is none with a direction in f32.
+    /// The ray from near `from` whose point at t = 1 is exactly the target, if there is one in f32.
     pub(crate) fn at(target: DVec3, from: DVec3) -> Option<Self> {
         let direction = (target - from).as_vec3().as_dvec3();
         let origin = target - direction;
@@ -55,7 +52,6 @@ pub(crate) fn ray_problem(pack: &Pack, seed: u64) -> Option<(usize, String)> {
         let mut vertex = || hull.vertex(random.below(hull.vertex_count()) as u32).map(|v| v.as_dvec3());
         let (a, b) = (vertex()?, vertex()?);
         let target = if round % 2 == 0 { a } else { exact_middle(a, b) };
-        // Along an axis, along two vertices, or from anywhere.
         let way = match round % 3 {
             0 => DVec3::AXES[random.below(3)] * size,
             1 if a != b => b - a,

@@ -10,12 +10,11 @@
 //! | [`outside`] | simplified hulls: how far they extend beyond their source |
 //! | [`fit`], [`soup`] | cover and protrusion of parts, by samples of the surface |
 //! | [`mass`], `primitive` | recorded mass, voids and primitives |
-//! | [`part`], [`measure`], [`estimates`], [`parts`] | parts of a mesh: made, measured, and judged |
+//! | [`part`], [`measure`], [`estimates`], [`parts`] | parts of a mesh: made, measured, judged |
 //! | [`geometry`] | vertices and faces of a hull as lists |
 //! | [`random`] | seeded directions and points |
 //!
-//! Reference values are computed independently of the baker as far as possible: by brute force, in
-//! f64. The crate depends neither on options nor on files of the command.
+//! Reference values are independent of the baker as far as possible: by brute force, in f64.
 
 #![forbid(unsafe_code)]
 

@@ -10,8 +10,7 @@ use hullmap_bake::mass::Mass;
 use crate::part::diagonal;
 use hullmap_bake::number::rounded;
 
-/// Difference from the recorded mass that rounding may explain, relative to the volume and to the
-/// mesh's diagonal.
+/// Difference that rounding may explain, relative to the volume and to the mesh's diagonal.
 const ROUNDING: f64 = 1e-9;
 
 /// Why the recorded mass of an object is not the mass of its mesh; `None` if it is, or if none is

@@ -1,5 +1,5 @@
-//! Measures how the parts of each object fit its mesh: what they leave uncovered, how far they
-//! protrude, how they fit together, and whether an engine can use them.
+//! Measures how the parts of each object fit its mesh: uncovered surface, protrusion, how they fit
+//! together, and whether an engine can use them.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use hullmap_bake::{BakedHull, PointSet, SolidKind};
 use crate::estimates::{DecomposedObject, PartsEstimates};
 use crate::part::{Part, diagonal};
 
-/// What was found about the parts of all objects.
+/// Findings about the parts of all objects.
 #[derive(Debug, Default)]
 pub struct Measured {
     /// Remarks on them.
@@ -30,7 +30,7 @@ pub struct Measured {
 /// set are consecutive, in the order of the sets.
 ///
 /// A set without triangles has no surface to measure; its hull is no part. With `has_primitives`,
-/// a primitive is sought for each part. `stage` shows the progress.
+/// each part gets a primitive, if one is found. `stage` shows the progress.
 pub fn parts(
     point_sets: &[PointSet],
     parts: &[Part],
@@ -106,13 +106,11 @@ pub fn stand_for_one(a: &PointSet, b: &PointSet) -> bool {
     a.stands_for.as_ref().zip(b.stands_for.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
 }
 
-/// The solid from which the protrusion of parts counts. `cover` are the parameters with which they
-/// were made, if they are known.
+/// The solid from which protrusion counts. `cover` are the parameters of the parts, if known.
 pub fn solid_of(mesh: &PointSet, cover: Option<&Cover>) -> Solid {
     cover.map_or_else(|| Solid::new(mesh), |cover| cover.solid(mesh))
 }
 
-/// Remark on the fit of the parts of one object.
 fn about_parts(name: &str, own: &[BakedHull], reachable: Option<Length>) -> Remark {
     let size = own.iter().map(|baked| baked.hull.diameter).fold(0.0, f64::max);
     let fits: Option<Vec<Fit>> = own.iter().map(|baked| baked.fit).collect();
@@ -120,10 +118,9 @@ fn about_parts(name: &str, own: &[BakedHull], reachable: Option<Length>) -> Rema
 }
 
 /// Counts and measures the parts of one mesh, and records both in their hulls, with the mass of the
-/// mesh and the voids of its solid. `limit` is the protrusion that they were proven not to exceed;
-/// `None` if there is no proof. Estimates how the parts of a mesh that was divided fit together;
-/// `cover` are its parameters. After the deadline, measures are coarse. Also returns the share of
-/// [`Solid::hole_share`].
+/// mesh and the voids of its solid. `limit` is the proven protrusion, if any. Parts of a divided
+/// mesh, with the parameters `cover`, are compared with each other. After the deadline, measures
+/// are coarse. Also returns [`Solid::hole_share`].
 fn record(
     mesh: &PointSet,
     own: &mut [BakedHull],
@@ -155,9 +152,8 @@ fn record(
     (estimates, holes)
 }
 
-/// Records the primitives that may replace parts, and returns a note on their number. They protrude
-/// by at most the maximum error; with a maximum number of parts, by at most as much as the parts.
-/// After the deadline, none are sought.
+/// Returns a note on the number of primitives. They protrude by at most the maximum error or, with
+/// a maximum number of parts, as much as the parts. There is no search after the deadline.
 fn record_primitives(
     mesh: &PointSet,
     own: &mut [BakedHull],
@@ -182,8 +178,7 @@ fn record_primitives(
     Some(advice::primitives(&mesh.name, count, own.len(), is_over(deadline)))
 }
 
-/// Adds the summary of an object, and remarks on what an engine cannot use. `cover` are the
-/// parameters with which the parts were made, `estimates` the estimates for a divided mesh.
+/// Also adds remarks on what an engine cannot use. `estimates` are for a divided mesh.
 fn judge(
     name: &str,
     diagonal: f64,

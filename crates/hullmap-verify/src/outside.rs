@@ -19,9 +19,8 @@ pub struct Outside {
     pub diameter: f64,
 }
 
-/// Support of the hull's vertices minus support of the source's points, in all `directions`, which
-/// must be finite and non-zero. Complexity: O((vertices + points) · directions), on all threads of
-/// the pool.
+/// Support of the hull's vertices minus support of the source's points, in finite `directions`
+/// other than zero. Complexity: O((vertices + points) · directions), on all threads.
 pub fn measure_outside(vertices: &[Vec3], source: &Points, directions: &[Vec3]) -> Outside {
     let hull = Points::new(&vertices.iter().map(|vertex| vertex.to_array()).collect::<Vec<_>>());
     let [ours, theirs] = [&hull, source].map(|points| points.greatest_dots(directions));
@@ -54,8 +53,7 @@ impl Outside {
     }
 }
 
-/// Distance of a point from a hull, by the runtime's solver and so independently of the baker. The
-/// point is in the hull's frame.
+/// Distance of a point in the hull's frame, by the runtime's solver: independently of the baker.
 pub fn to_point(hull: &Hull, p: DVec3) -> Distance {
     match Pose::from_translation(p) {
         Ok(pose) => distance(hull, &Dot, pose, &Settings::default(), &mut Cache::new()),
@@ -64,7 +62,6 @@ pub fn to_point(hull: &Hull, p: DVec3) -> Distance {
     }
 }
 
-/// A point at the origin of its frame.
 struct Dot;
 
 impl hullmap::SupportMap for Dot {

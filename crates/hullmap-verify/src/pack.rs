@@ -1,15 +1,13 @@
 //! Verification of a pack: each hull against its source, or against its own stored vertices.
 //!
 //! 1. The direction index of each hull is proven.
-//! 2. The source's point sets are cut into convex parts again, with the options that the pack
-//!    records.
-//! 3. An exact hull is measured against the points of its part; a simplified hull must contain them
-//!    and stay within its recorded outer error.
+//! 2. The source's point sets are cut again, with the recorded options.
+//! 3. An exact hull is measured against the points of its part; a simplified hull must contain
+//!    them, within its recorded outer error.
 //! 4. No point of an object's surface may lie farther outside its parts than recorded, and no part
 //!    may protrude farther from its solid than recorded.
-//! 5. The recorded mass must be the mass of the mesh, and the recorded voids the voids of the
-//!    parts. A primitive must contain the surface in its part, and protrude no farther than
-//!    recorded.
+//! 5. The recorded mass and voids must be right. A primitive must contain the surface in its part,
+//!    and protrude no farther than recorded.
 //! 6. Rays at vertices and seams of the parts must not reach a surface behind.
 //! 7. Parts that a physics engine cannot use well pass with warnings.
 
@@ -58,8 +56,7 @@ pub const WITH_WARNINGS: &str = "passed with warnings";
 pub enum Reference<'a> {
     /// The source's points.
     Source(&'a [PointSet]),
-    /// The hull's own stored vertices. This shows that the index is exact, not that the hull
-    /// matches its source.
+    /// The hull's own stored vertices: a match shows that the index is exact, not the hull.
     StoredHull,
 }
 
@@ -75,8 +72,7 @@ pub struct HullVerification {
     pub vertices: Option<usize>,
     /// 3 solid, 2 polygon, 1 segment, 0 point.
     pub rank: Option<u32>,
-    /// Whether the index is proven: in every direction, it leads to the support vertex of the
-    /// stored hull.
+    /// Whether the index is proven: it always leads to the support vertex of the stored hull.
     pub proven: Option<bool>,
     /// Proven bound on the regret in any direction, relative to the diameter.
     pub proven_regret: Option<f64>,
@@ -191,10 +187,9 @@ impl HullVerification {
 }
 
 /// Proves the index of every hull of a pack, and verifies the hull in `count` directions. `cover`
-/// are the parameters with which meshes were decomposed, as the pack records them. The file names
-/// in the results are left empty. Fails if the source has a different number of hulls than the
-/// pack, or redundant data in the pack disagree. Complexity: O(points · directions) for each hull;
-/// with decomposed meshes, the time to cut them again.
+/// are the recorded parameters of a decomposition. File names in the results are empty. Fails if
+/// the source has another number of hulls, or redundant data in the pack disagree. Complexity:
+/// O(points · directions) for each hull; with decomposed meshes, the time to cut them again.
 pub fn verify_hulls(
     pack: &Pack,
     reference: Reference,
@@ -223,7 +218,6 @@ pub fn verify_hulls(
     Ok(results)
 }
 
-/// Compares every hull with its source, or with its own vertices, in `count` directions.
 fn compare_hulls(
     pack: &Pack,
     reference: Reference,
@@ -264,7 +258,6 @@ fn compare_hulls(
     Ok(results)
 }
 
-/// Verifies a pack whose source is not known: each hull against its own vertices.
 fn verify_alone(pack: &Pack, cover: Option<&Cover>, count: usize, seed: u64) -> Vec<HullVerification> {
     let hulls: Vec<Hull> = pack.hulls().collect();
     let mut results: Vec<HullVerification> = hulls.iter().map(|hull| verify_hull(hull, None, count, seed)).collect();
@@ -302,7 +295,6 @@ fn verify_parts_of_others(
     Ok(results)
 }
 
-/// Checks what the hulls of one object record about its mesh, and whether an engine can use them.
 fn verify_object(hulls: &[Hull], mesh: &PointSet, cover: Option<&Cover>, results: &mut [HullVerification]) {
     let computed = mesh_mass(mesh);
     if let (Some(first), Some(result)) = (hulls.first(), results.first_mut()) {
@@ -322,7 +314,6 @@ fn verify_object(hulls: &[Hull], mesh: &PointSet, cover: Option<&Cover>, results
     add(found, results);
 }
 
-/// Adds what was found about the parts of one object to their results.
 fn add(found: Option<PartsFindings>, results: &mut [HullVerification]) {
     let Some(PartsFindings { estimates, means, doubts }) = found else { return };
     for (result, mean) in results.iter_mut().zip(means) {
@@ -360,7 +351,6 @@ fn verify_fit(hulls: &[Hull], mesh: &PointSet, cover: Option<&Cover>, results: &
     }
 }
 
-/// Reports recorded bounds that a point refutes.
 fn judge(hulls: &[Hull], mesh: &PointSet, cover: Option<&Cover>, results: &mut [HullVerification]) {
     let judge = Judge::new(mesh, &solid_of(mesh, cover));
     let name = &mesh.name;
@@ -455,7 +445,6 @@ fn verify_hull(hull: &Hull, source: Option<&PointSet>, count: usize, seed: u64) 
     }
 }
 
-/// Differences in name, origin and vertices between a hull and the point set it was baked from.
 fn identity_problems(hull: &Hull, vertices: &[Vec3], set: &PointSet) -> Vec<String> {
     let mut problems = Vec::new();
     if set.name != hull.name() {
@@ -472,7 +461,6 @@ fn identity_problems(hull: &Hull, vertices: &[Vec3], set: &PointSet) -> Vec<Stri
     problems
 }
 
-/// Invalid answers, and costs above the recorded worst case.
 fn query_problems(measured: &Measurement, worst: Cost) -> Vec<String> {
     let mut problems = Vec::new();
     let (count, cost) = (measured.invalid_answers, measured.cost);
@@ -488,10 +476,8 @@ fn query_problems(measured: &Measurement, worst: Cost) -> Vec<String> {
     problems
 }
 
-/// Number of hull vertices that differ from their recorded source vertices, in bits. −0 equals +0.
-///
-/// A vertex without a source vertex must be one of the part's other points. The vertices of a
-/// simplified hull have no source vertices.
+/// Hull vertices that differ from their recorded source vertices, in bits, with −0 as +0. Without a
+/// source vertex, they must be one of the part's other points, except for simplified hulls.
 fn count_mismatched_vertices(
     vertices: &[Vec3],
     recorded: impl Iterator<Item = Option<u32>>,

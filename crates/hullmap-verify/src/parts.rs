@@ -11,7 +11,7 @@ use crate::geometry::rebuilt;
 use crate::measure::solid_of;
 use crate::part::diagonal;
 
-/// What was found about the parts of one object.
+/// Findings about the parts of one object.
 #[derive(Debug, Default)]
 pub struct PartsFindings {
     /// How they fit together.
@@ -65,7 +65,6 @@ pub fn findings(
     Some(PartsFindings { doubts: doubts(&object), estimates, means })
 }
 
-/// Diagonal of the box around hulls.
 fn around(hulls: &[Hull]) -> f64 {
     let [mut low, mut high] = [Vec3::INFINITY, Vec3::NEG_INFINITY];
     for [from, to] in hulls.iter().map(Hull::bounds) {

@@ -1,8 +1,7 @@
 //! The triangles that bound the solid of a mesh: nearest triangle, ray crossings, winding number.
 //!
-//! Only the definition of the solid comes from the baker: which triangles close its holes.
-//! Distances and winding numbers are computed independently, by another tree of boxes and the sum
-//! of all solid angles.
+//! Only the triangles that close the solid's holes come from the baker. Distances and winding
+//! numbers use another tree of boxes and the sum of all solid angles.
 //!
 //! # Reference
 //! - Ericson, "Real-Time Collision Detection", 2005, section 5.1.5: closest point on a triangle.
@@ -18,7 +17,6 @@ use rayon::prelude::*;
 /// Corners of a triangle.
 pub type Triangle = [DVec3; 3];
 
-/// Number of triangles in a leaf of the tree.
 const LEAF: usize = 4;
 
 /// Directions of the rays by which the side of a point is guessed: none along common edges.
@@ -27,8 +25,7 @@ const RAYS: [DVec3; 2] = [DVec3::new(0.283, -0.617, 0.734), DVec3::new(-0.541, 0
 /// Minimum length of an array of triangles that is summed on several threads.
 const PARALLEL: usize = 4096;
 
-/// A node of the tree: a box, and either a run of triangles or two nodes, of which the first
-/// follows.
+/// A box, and a run of triangles or two nodes, of which the first follows.
 struct Node {
     low: DVec3,
     high: DVec3,
@@ -40,7 +37,7 @@ struct Node {
 /// Triangles of a mesh, and triangles that close it.
 pub struct TriangleSoup {
     kind: SolidKind,
-    /// In the order of the tree's leaves.
+    /// By the leaves of the tree, with whether each belongs to the mesh.
     triangles: Vec<(Triangle, bool)>,
     nodes: Vec<Node>,
     /// The triangles that count for the winding number.
@@ -89,8 +86,7 @@ impl TriangleSoup {
         self.kind != SolidKind::Sheet && is_in_bounds && RAYS.iter().all(|ray| self.crossings(p, *ray) != 0)
     }
 
-    /// Whether the point is certainly outside, by the sum of all solid angles. Complexity:
-    /// O(triangles).
+    /// Whether the point is certainly outside: by the sum of all solid angles, in O(triangles).
     pub fn is_outside(&self, p: DVec3) -> bool {
         if self.kind == SolidKind::Sheet {
             return true;
@@ -114,7 +110,6 @@ impl TriangleSoup {
                 continue;
             }
             if node.count == 0 {
-                // The nearer child is visited first.
                 let children = [index + 1, node.second as usize];
                 let far = usize::from(to_box(&self.nodes[children[0]], p) <= to_box(&self.nodes[children[1]], p));
                 stack.extend([children[far], children[1 - far]]);
@@ -155,7 +150,6 @@ impl TriangleSoup {
     }
 }
 
-/// Builds the node over a range of triangles, and the nodes below it.
 fn grow(triangles: &mut [(Triangle, bool)], range: std::ops::Range<usize>, nodes: &mut Vec<Node>) {
     let own = &mut triangles[range.clone()];
     let corners = || own.iter().flat_map(|(triangle, _)| triangle);

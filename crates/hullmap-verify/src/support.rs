@@ -1,7 +1,6 @@
 //! Whether a hull's support queries are exact, measured against every source point.
 //!
-//! Its direction index has been proven before ([`index`](crate::index)): every query finds the
-//! support vertex of the stored hull.
+//! [`index`](crate::index) has proven that every query finds the support vertex of the stored hull.
 //!
 //! `regret(d) = (max over the source points of v·d − got·d) / (|d| · diameter)`, in f64 on the
 //! stored f32 numbers. A hull that lost a source point has a large regret in that point's
@@ -15,8 +14,7 @@ use crate::directions;
 use crate::truth::{Points, dot};
 use hullmap::{Cost, Hull, SupportVertex};
 
-/// Maximum regret, relative to the diameter, that counts as exact: twice the distance from the hull
-/// that certification allows a source point (1e-7).
+/// Maximum regret, relative to the diameter, that counts as exact: twice the certified 1e-7.
 pub const REGRET_LIMIT: f64 = 2e-7;
 
 /// Queries that verification requires of a hull.
@@ -102,7 +100,6 @@ fn regret(greatest: f64, got: Vec3, dir: Vec3, diameter: f64) -> f64 {
     let dir = dir.to_array().map(f64::from);
     let loss = greatest - dot(got.to_array().map(f64::from), dir);
     if loss == 0.0 {
-        // A hull that is one point has the diameter 0.
         return 0.0;
     }
     let regret = (loss / (dot(dir, dir).sqrt() * diameter)).abs();

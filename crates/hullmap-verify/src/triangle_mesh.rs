@@ -4,8 +4,8 @@
 //! 1. Compare each triangle with the one of the source that it names, and the materials.
 //! 2. Recompute counts, neighbours and classes of edges and vertices: by maps instead of a sort,
 //!    and by angles instead of heights.
-//! 3. Compare rays and nearest points with all triangles of the source, one by one. Every other ray
-//!    is aimed at a vertex or an edge, and its coordinates are chosen so that it meets it exactly.
+//! 3. Compare rays and nearest points with all triangles of the source. Every other ray is aimed at
+//!    a vertex or an edge, which it meets exactly.
 //!
 //! # Reference
 //! Möller, Trumbore, "Fast, minimum storage ray-triangle intersection", 1997.
@@ -28,7 +28,6 @@ use crate::soup::closest;
 /// gets fewer rays and points, but at least [`LEAST`].
 const TESTS: usize = 200_000_000;
 
-/// Minimum number of rays, and of points.
 const LEAST: usize = 100;
 
 /// Rounding error of a distance that is computed here, relative to the greatest coordinate.
@@ -47,7 +46,6 @@ const FLAT_ROUNDING: f64 = 1e-7;
 /// Height of a triangle, relative to its longest side, below which rounding decides its normal.
 const SLIVER: f64 = 1e-6;
 
-/// Maximum number of problems that are listed.
 const MAX_PROBLEMS: usize = 8;
 
 /// Triangles of a source, as the bake of a triangle mesh takes them.
@@ -59,8 +57,7 @@ pub struct SourceTriangles<'a> {
 }
 
 impl<'a> SourceTriangles<'a> {
-    /// The triangles of a source that was imported as a whole. Fails if it has none, or too many
-    /// materials.
+    /// Fails if a source that was imported as a whole has no triangles, or too many materials.
     pub fn new(sets: &'a [PointSet], faces: &[Polygons], materials: &Materials) -> Result<Self, String> {
         let ([points], [faces]) = (sets, faces) else {
             return Err("the source is not one mesh".to_owned());
@@ -84,7 +81,7 @@ pub struct MeshVerification {
     pub file: String,
     /// The source; `None` if it was not found.
     pub source: Option<String>,
-    /// What it was compared with: `source`, or `stored triangles`.
+    /// The reference: `source`, or `stored triangles`.
     pub against: Option<&'static str>,
     /// Number of triangles.
     pub triangles: Option<usize>,
@@ -100,18 +97,17 @@ pub struct MeshVerification {
     pub mismatches: Option<usize>,
     /// Whether there are none.
     pub pass: bool,
-    /// What is wrong, at most eight sentences.
+    /// Its faults, at most eight sentences.
     pub problems: Vec<String>,
 }
 
 impl MeshVerification {
-    /// What is wrong; `None` if it passes.
+    /// Its faults; `None` if it passes.
     pub fn verdict(&self) -> Option<String> {
         (!self.pass).then(|| self.problems.join("; "))
     }
 }
 
-/// Wrong entries and answers.
 #[derive(Default)]
 struct Findings {
     count: usize,
@@ -134,10 +130,8 @@ impl Findings {
 }
 
 /// Verifies a mesh. Without a source, its own triangles are the truth for rays and points.
-///
-/// # Complexity
-/// O(n log n) for n triangles, plus `directions` rays and as many points, each against all
-/// triangles; fewer of them on large meshes.
+/// Complexity: O(n log n) for n triangles, plus up to `directions` rays and points, each against
+/// all triangles.
 pub fn verify_mesh(
     mesh: &TriangleMesh,
     source: Option<&SourceTriangles>,
@@ -289,8 +283,7 @@ fn compare_surface(mesh: &TriangleMesh, triangles: &[[DVec3; 3]], findings: &mut
     }
 }
 
-/// Whether the corners of a triangle are on a line. The coordinates are f32 numbers, so products
-/// of three differences may round; exact predicates decide.
+/// Uses exact predicates: products of three differences of f32 may round.
 fn is_on_a_line(triangle: &[DVec3; 3]) -> bool {
     [[0, 1], [1, 2], [2, 0]].iter().all(|[x, y]| {
         let [a, b, c] = triangle.map(|corner| robust::Coord { x: corner[*x], y: corner[*y] });
@@ -331,7 +324,6 @@ fn between(triangles: &[[DVec3; 3]], corners: &[[u32; 3]], a: (usize, usize), b:
     }
 }
 
-/// Hits of a ray, by brute force.
 struct RayTruth {
     /// The first t at which it certainly hits a triangle; infinite if it hits none.
     sure: f64,

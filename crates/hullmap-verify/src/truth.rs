@@ -1,16 +1,13 @@
 //! Reference support values: the maximum dot product over every point, in f64.
 //!
-//! Coordinates and directions are f32; their products are exact in f64, and each dot product
-//! carries two roundings of 1.1e-16. The result equals the result of a plain scan (except for the
-//! sign of a zero), but is computed faster:
+//! Products of f32 are exact in f64, and each dot product carries two roundings of 1.1e-16. The
+//! result equals a plain scan's (except for the sign of a zero), but is computed faster:
 //!
 //! 1. Duplicate points are dropped, and the others sorted along a Morton curve, in blocks.
 //! 2. For a direction, every block gets a bound: the dot product with the farthest corner of its
-//!    bounding box. Products are exact and floating-point addition is monotone, so with the
-//!    operations in the same order no point of the block has a *computed* dot product above the
-//!    computed bound. No margin is needed.
-//! 3. The block with the maximum bound is scanned, then every other whose bound is above the best
-//!    so far.
+//!    box. Addition is monotone, so in the same order of operations no point of the block has a
+//!    *computed* dot product above it.
+//! 3. The block with the maximum bound is scanned, then every other with a bound above the best.
 //!
 //! This module does not use the hull, so that it cannot repeat the baker's mistakes.
 
@@ -20,10 +17,8 @@ use rayon::prelude::*;
 /// Points in a block: scanning few blocks and bounding many cost about the same.
 const BLOCK: usize = 32;
 
-/// Bits of the Morton curve for each axis.
 const MORTON_BITS: u32 = 10;
 
-/// Minimum number of directions in one task.
 const DIRECTIONS_A_TASK: usize = 64;
 
 /// Points as columns of f64, in blocks of neighbours.
@@ -59,9 +54,8 @@ impl Points {
         Self { columns, low, high }
     }
 
-    /// For each direction, the maximum dot product with any point. Directions must be finite.
-    /// Complexity: O(points / 32 + points near the maximum) for each direction, on all threads of
-    /// the pool.
+    /// For each finite direction, the maximum dot product. Complexity: O(points / 32 + points near
+    /// the maximum) for each, on all threads.
     pub fn greatest_dots(&self, directions: &[Vec3]) -> Vec<f64> {
         let tasks = directions.par_iter().with_min_len(DIRECTIONS_A_TASK);
         let greatest = |bounds: &mut Vec<f64>, dir: &Vec3| self.greatest(dir.to_array().map(f64::from), bounds);
@@ -92,10 +86,9 @@ impl Points {
         dots.fold(f64::NEG_INFINITY, |best, next| if next > best { next } else { best })
     }
 
-    /// Distance between two of the points that is the maximum or slightly less, never more.
-    ///
-    /// From several extreme points, it walks to the farthest point until the distance no longer
-    /// grows. A regret relative to it is never understated.
+    /// The maximum distance between two points, or slightly less: from several extreme points, it
+    /// walks to the farthest point until the distance no longer grows. A regret relative to it is
+    /// never understated.
     pub fn diameter(&self) -> f64 {
         let mut greatest = 0.0_f64;
         for dir in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0], [1.0, -1.0, 0.5]] {
@@ -160,7 +153,6 @@ mod tests {
     use super::*;
     use crate::random::SplitMix;
 
-    /// Maximum dot product, computed one by one.
     fn slow(positions: &[[f32; 3]], dir: Vec3) -> f64 {
         let dir = dir.to_array().map(f64::from);
         positions.iter().map(|p| dot(p.map(f64::from), dir)).fold(f64::NEG_INFINITY, f64::max)

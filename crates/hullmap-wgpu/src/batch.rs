@@ -1,5 +1,3 @@
-//! Batches of pairs of hulls, on a GPU or on the processor, with the same calls.
-
 use bytemuck::{Pod, Zeroable};
 use hullmap::glam::{DVec3, Vec3};
 use hullmap::{Cache, Contact, Distance, Hull, Overlap, Pack, Settings};
@@ -13,9 +11,7 @@ use crate::records::{Answer, AnswerRecord, HullRecord, IndexedPair, MAX_STEPS, P
 pub enum Backend {
     /// On a Vulkan device if there is one that can hold the pack, otherwise on the processor.
     Auto,
-    /// On the processor, by `hullmap` itself.
     Cpu,
-    /// On a Vulkan device.
     Wgpu,
 }
 
@@ -59,7 +55,6 @@ struct FoundRecord {
     padding: [u32; 3],
 }
 
-/// A device, the pack on it, and buffers.
 #[derive(Debug)]
 struct Gpu {
     pack: DevicePack,
@@ -82,7 +77,6 @@ impl<'p> Packs<'p> {
         Self(counted.collect())
     }
 
-    /// The hull with this index, counted through the packs.
     fn hull(&self, index: u32) -> Option<Hull<'p>> {
         let index = index as usize;
         let at = self.0.partition_point(|(end, _)| *end <= index);
@@ -139,16 +133,6 @@ impl<'p> Batch<'p> {
     /// # Complexity
     /// Opening the device, and one copy of the pack. For batches of other packs, open the device
     /// once and use [`Batch::on`] or [`Batch::of_packs`].
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap_wgpu::{Backend, Batch};
-    ///
-    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// let batch = Batch::new(&pack, Backend::Cpu)?;
-    /// assert_eq!(batch.backend(), Backend::Cpu);
-    /// # Ok::<(), hullmap_wgpu::Error>(())
-    /// ```
     pub fn new(pack: &'p Pack, backend: Backend) -> Result<Self, Error> {
         match backend {
             Backend::Cpu => Ok(Self::with(&[pack], Vec::new(), None)),
@@ -164,17 +148,6 @@ impl<'p> Batch<'p> {
     ///
     /// # Errors
     /// The errors of [`DevicePack::upload`].
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap_wgpu::{Backend, Batch, Device};
-    ///
-    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// if let Ok(device) = Device::open() {
-    ///     assert_eq!(Batch::on(&device, &pack)?.backend(), Backend::Wgpu);
-    /// }
-    /// # Ok::<(), hullmap_wgpu::Error>(())
-    /// ```
     pub fn on(device: &Device, pack: &'p Pack) -> Result<Self, Error> {
         Self::of_packs(device, &[pack])
     }
@@ -184,23 +157,6 @@ impl<'p> Batch<'p> {
     ///
     /// # Errors
     /// The errors of [`DevicePack::upload`].
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::{Pose, Settings, glam::DVec3};
-    /// use hullmap_wgpu::{Batch, Device, IndexedPair};
-    ///
-    /// # let rock = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// # let ball = hullmap_testkit::packs::tree_pack(&shapes::families::sphere(60, 1));
-    /// if let Ok(device) = Device::open() {
-    ///     let mut batch = Batch::of_packs(&device, &[&rock, &ball])?;
-    ///     let b_in_a = Pose::from_translation(DVec3::X * 4.0).expect("finite");
-    ///     let pair = IndexedPair { a: 0, b: 1, b_in_a };
-    ///     let answers = batch.distance(&[pair], &Settings::default())?;
-    ///     assert!(answers[0].lower > 1.0);
-    /// }
-    /// # Ok::<(), hullmap_wgpu::Error>(())
-    /// ```
     pub fn of_packs(device: &Device, packs: &[&'p Pack]) -> Result<Self, Error> {
         let tables = Tables::from_packs(packs)?;
         let pack = DevicePack::upload_tables(device, &tables)?;
@@ -225,15 +181,6 @@ impl<'p> Batch<'p> {
     }
 
     /// Where batches are solved: [`Backend::Cpu`] or [`Backend::Wgpu`].
-    ///
-    /// # Examples
-    /// ```
-    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// use hullmap_wgpu::{Backend, Batch};
-    ///
-    /// assert_ne!(Batch::new(&pack, Backend::Auto)?.backend(), Backend::Auto);
-    /// # Ok::<(), hullmap_wgpu::Error>(())
-    /// ```
     pub fn backend(&self) -> Backend {
         if self.gpu.is_some() { Backend::Wgpu } else { Backend::Cpu }
     }
@@ -248,6 +195,8 @@ impl<'p> Batch<'p> {
     /// let mut batch = Batch::new(&pack, Backend::Auto)?;
     /// batch.use_processor();
     /// assert_eq!(batch.backend(), Backend::Cpu);
+    /// assert_eq!(batch.kernel_seconds(), None);
+    /// assert!(batch.answers().is_empty() && batch.records().1.is_empty());
     /// # Ok::<(), hullmap_wgpu::Error>(())
     /// ```
     pub fn use_processor(&mut self) {
@@ -257,38 +206,12 @@ impl<'p> Batch<'p> {
     /// Sets whether each pair of later batches starts from the simplex with which the pair of the
     /// same index ended in the last batch on this device. Answers then differ within their
     /// intervals. The processor ignores it.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::{Pose, Settings, glam::DVec3};
-    /// use hullmap_wgpu::{Backend, Batch, IndexedPair};
-    ///
-    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// let mut batch = Batch::new(&pack, Backend::Auto)?;
-    /// batch.set_warm(true);
-    /// for frame in 0..3 {
-    ///     let b_in_a = Pose::from_translation(DVec3::X * (4.0 - 0.1 * f64::from(frame))).expect("finite");
-    ///     let pair = IndexedPair { a: 0, b: 0, b_in_a };
-    ///     let answers = batch.distance(&[pair], &Settings::default())?;
-    ///     assert!(answers[0].lower > 0.0);
-    /// }
-    /// # Ok::<(), hullmap_wgpu::Error>(())
-    /// ```
     pub fn set_warm(&mut self, is_warm: bool) {
         self.is_warm = is_warm;
     }
 
     /// Time that the kernels of the last batch took, in seconds: without preparing, copying and
     /// reading back. `None` if the device has no clock, or the processor solved the batch.
-    ///
-    /// # Examples
-    /// ```
-    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// use hullmap_wgpu::{Backend, Batch};
-    ///
-    /// assert_eq!(Batch::new(&pack, Backend::Cpu)?.kernel_seconds(), None);
-    /// # Ok::<(), hullmap_wgpu::Error>(())
-    /// ```
     pub fn kernel_seconds(&self) -> Option<f64> {
         self.gpu.as_ref()?.pairs.as_ref()?.seconds()
     }
@@ -303,18 +226,6 @@ impl<'p> Batch<'p> {
     ///
     /// # Complexity
     /// At most [`MAX_STEPS`] support calls for each pair.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::Pose;
-    /// use hullmap_wgpu::{Backend, Batch, IndexedPair, Status};
-    ///
-    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// let mut batch = Batch::new(&pack, Backend::Auto)?;
-    /// let answers = batch.intersects(&[IndexedPair { a: 0, b: 0, b_in_a: Pose::IDENTITY }])?;
-    /// assert_eq!(answers[0].status, Status::Overlapping);
-    /// # Ok::<(), hullmap_wgpu::Error>(())
-    /// ```
     pub fn intersects(&mut self, pairs: &[IndexedPair]) -> Result<&[Answer], Error> {
         self.solve(pairs, Query::Intersects, &Settings::default())
     }
@@ -327,19 +238,6 @@ impl<'p> Batch<'p> {
     /// # Complexity
     /// At most [`MAX_STEPS`] support calls for each pair, or `settings.max_iterations` if that is
     /// less.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::{Pose, Settings, glam::DVec3};
-    /// use hullmap_wgpu::{Backend, Batch, IndexedPair};
-    ///
-    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// let b_in_a = Pose::from_translation(DVec3::X * 4.0).expect("finite");
-    /// let mut batch = Batch::new(&pack, Backend::Auto)?;
-    /// let answers = batch.distance(&[IndexedPair { a: 0, b: 0, b_in_a }], &Settings::default())?;
-    /// assert!(answers[0].lower > 1.0 && answers[0].upper < 3.5);
-    /// # Ok::<(), hullmap_wgpu::Error>(())
-    /// ```
     pub fn distance(&mut self, pairs: &[IndexedPair], settings: &Settings) -> Result<&[Answer], Error> {
         self.solve(pairs, Query::Distance, settings)
     }
@@ -356,48 +254,16 @@ impl<'p> Batch<'p> {
     ///
     /// # Complexity
     /// At most [`MAX_STEPS`] support calls for each pair.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::{Pose, Settings, glam::DVec3};
-    /// use hullmap_wgpu::{Backend, Batch, IndexedPair};
-    ///
-    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// let b_in_a = Pose::from_translation(DVec3::X).expect("finite");
-    /// let mut batch = Batch::new(&pack, Backend::Auto)?;
-    /// let answers = batch.contact(&[IndexedPair { a: 0, b: 0, b_in_a }], &Settings::default())?;
-    /// assert!(answers[0].lower > 0.1 && answers[0].upper < 1.0);
-    /// # Ok::<(), hullmap_wgpu::Error>(())
-    /// ```
     pub fn contact(&mut self, pairs: &[IndexedPair], settings: &Settings) -> Result<&[Answer], Error> {
         self.solve(pairs, Query::Contact, settings)
     }
 
     /// Answers of the last batch, in the order of its pairs.
-    ///
-    /// # Examples
-    /// ```
-    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// use hullmap_wgpu::{Backend, Batch};
-    ///
-    /// assert!(Batch::new(&pack, Backend::Cpu)?.answers().is_empty());
-    /// # Ok::<(), hullmap_wgpu::Error>(())
-    /// ```
     pub fn answers(&self) -> &[Answer] {
         &self.answers
     }
 
     /// Inputs and outputs of the kernel in the last batch. Empty if the processor solved it.
-    ///
-    /// # Examples
-    /// ```
-    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// use hullmap_wgpu::{Backend, Batch};
-    ///
-    /// let batch = Batch::new(&pack, Backend::Cpu)?;
-    /// assert!(batch.records().0.is_empty() && batch.records().1.is_empty());
-    /// # Ok::<(), hullmap_wgpu::Error>(())
-    /// ```
     pub fn records(&self) -> (&[PairRecord], &[AnswerRecord]) {
         (&self.records, &self.answer_records)
     }
@@ -439,20 +305,6 @@ impl<'p> Batch<'p> {
     ///
     /// # Complexity
     /// One query of `hullmap` for each of these pairs.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::{Pose, Settings, glam::DVec3};
-    /// use hullmap_wgpu::{Backend, Batch, IndexedPair};
-    ///
-    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// let b_in_a = Pose::from_translation(DVec3::X * 4.0).expect("finite");
-    /// let mut batch = Batch::new(&pack, Backend::Auto)?;
-    /// batch.distance(&[IndexedPair { a: 0, b: 0, b_in_a }], &Settings::default())?;
-    /// batch.settle();
-    /// assert!(!batch.answers()[0].status.is_unsettled());
-    /// # Ok::<(), hullmap_wgpu::Error>(())
-    /// ```
     pub fn settle(&mut self) -> usize {
         if self.answer_records.is_empty() {
             // The processor solved the batch.
@@ -472,21 +324,6 @@ impl<'p> Batch<'p> {
     ///
     /// # Errors
     /// [`Error::Device`] if the device failed.
-    ///
-    /// # Complexity
-    /// A support query each.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::glam::Vec3;
-    /// use hullmap_wgpu::{Backend, Batch, SupportQuery};
-    ///
-    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// let mut batch = Batch::new(&pack, Backend::Auto)?;
-    /// let found = batch.support(&[SupportQuery { hull: 0, dir: Vec3::Z }])?;
-    /// assert_eq!(Some(found[0].point), pack.hull(0).expect("it has a hull").vertex(found[0].vertex));
-    /// # Ok::<(), hullmap_wgpu::Error>(())
-    /// ```
     pub fn support(&mut self, queries: &[SupportQuery]) -> Result<&[SupportAnswer], Error> {
         self.vertices.clear();
         let nothing = SupportAnswer { vertex: 0, point: Vec3::ZERO, is_certain: false };
@@ -528,7 +365,6 @@ impl<'p> Batch<'p> {
     }
 }
 
-/// The answer of `hullmap` itself.
 fn on_processor(packs: &Packs<'_>, pair: &IndexedPair, query: Query, settings: &Settings) -> Answer {
     let (Some(a), Some(b)) = (packs.hull(pair.a), packs.hull(pair.b)) else {
         return Answer::UNKNOWN;

@@ -16,7 +16,7 @@ const WORKGROUP: u32 = 64;
 /// Pairs of one dispatch. Larger batches take several, so that no dispatch runs for long.
 const CHUNK: usize = 1 << 17;
 
-/// The same for contacts, whose polytopes take about 200 MB then.
+/// For contacts, whose polytopes take about 200 MB then.
 const CONTACT_CHUNK: usize = 1 << 15;
 
 /// Bytes of a polytope of EPA: 64 corners and 124 faces.
@@ -41,7 +41,6 @@ pub(crate) struct Parameters {
     pub(crate) max_steps: u32,
     pub(crate) tolerance: f32,
     pub(crate) warm: u32,
-    /// [`THREE`], see `loops_end_early` in `records.wgsl`.
     pub(crate) three: u32,
     pub(crate) padding: [u32; 2],
 }
@@ -52,8 +51,8 @@ const THREE: u32 = 3;
 mod source {
     /// Body of `mad` in `records.wgsl`.
     pub(super) const MAD: &str = "return a * b + c;";
-    /// The same with one rounding, nearly: lavapipe has no fused operation. Halves of 12 bits make
-    /// the rounding error of the product exact; it is added last.
+    /// A fused multiply-add with nearly one rounding: lavapipe has no fused operation. Halves of 12
+    /// bits make the rounding error of the product exact; it is added last.
     pub(super) const FUSED: &str = "
         let a_high = bitcast<f32>(bitcast<u32>(a) & 0xfffff000u);
         let b_high = bitcast<f32>(bitcast<u32>(b) & 0xfffff000u);
@@ -93,7 +92,6 @@ struct Inner {
     expand_pairs: wgpu::ComputePipeline,
     find_vertices: wgpu::ComputePipeline,
     info: wgpu::AdapterInfo,
-    /// The first error since the last dispatch.
     failure: Arc<Mutex<Option<String>>>,
 }
 
@@ -105,14 +103,6 @@ impl Device {
     ///
     /// # Complexity
     /// A few hundred milliseconds: keep the device.
-    ///
-    /// # Examples
-    /// ```
-    /// match hullmap_wgpu::Device::open() {
-    ///     Ok(device) => println!("{}", device.description()),
-    ///     Err(error) => println!("{error}"),
-    /// }
-    /// ```
     pub fn open() -> Result<Self, Error> {
         Self::open_with(source::MAD)
     }
@@ -127,7 +117,6 @@ impl Device {
         Self::open_with(source::FUSED)
     }
 
-    /// Opens a device; `mad` is the body of that function of the kernels.
     fn open_with(mad: &str) -> Result<Self, Error> {
         let none = |reason: &dyn std::fmt::Display| Error::NoDevice { reason: reason.to_string() };
         if !wgpu::Instance::enabled_backend_features().contains(wgpu::Backends::VULKAN) {
@@ -197,13 +186,6 @@ impl Device {
     }
 
     /// Name of the adapter, its driver and the largest binding, in one line.
-    ///
-    /// # Examples
-    /// ```
-    /// if let Ok(device) = hullmap_wgpu::Device::open() {
-    ///     assert!(device.description().contains("bytes a binding"));
-    /// }
-    /// ```
     pub fn description(&self) -> String {
         let Inner { info, .. } = &*self.0;
         format!("{}, {} {}, {} bytes a binding", info.name, info.driver, info.driver_info, self.binding_limit())
@@ -211,13 +193,6 @@ impl Device {
 
     /// Makes the device unusable, as if it had been unplugged. Batches on it return
     /// [`Error::Device`] from then on.
-    ///
-    /// # Examples
-    /// ```
-    /// if let Ok(device) = hullmap_wgpu::Device::open() {
-    ///     device.destroy();
-    /// }
-    /// ```
     pub fn destroy(&self) {
         self.0.device.destroy();
         self.fail("the device was destroyed");
@@ -284,22 +259,10 @@ impl DevicePack {
     ///
     /// # Complexity
     /// One copy of both sections.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap_wgpu::{Device, DevicePack};
-    ///
-    /// # let pack = hullmap_testkit::packs::tree_pack(&shapes::families::rock(60, 1));
-    /// if let Ok(device) = Device::open() {
-    ///     DevicePack::upload(&device, &pack)?;
-    /// }
-    /// # Ok::<(), hullmap_wgpu::Error>(())
-    /// ```
     pub fn upload(device: &Device, pack: &Pack) -> Result<Self, Error> {
         Self::upload_tables(device, &Tables::from_pack(pack)?)
     }
 
-    /// Copies `tables` to `device`.
     pub(crate) fn upload_tables(device: &Device, tables: &Tables<'_>) -> Result<Self, Error> {
         let uploaded = Self {
             device: device.clone(),
@@ -337,7 +300,6 @@ impl DevicePack {
         self.device.0.device.create_bind_group(&descriptor)
     }
 
-    /// The sections, at the bindings of `records.wgsl`.
     fn sections(&self) -> [(u32, wgpu::BindingResource<'_>); 3] {
         [(1, self.hulls.as_entire_binding()), (2, self.blocks.as_entire_binding()), (3, self.slots.as_entire_binding())]
     }
@@ -346,8 +308,7 @@ impl DevicePack {
         self.device.0.queue.submit([encoder.finish()]);
     }
 
-    /// Waits for all that was submitted, and appends the first `count` records of `staging` to
-    /// `out`.
+    /// Waits for all that was submitted, and appends the first `count` records of `staging`.
     fn read<O: Pod>(&self, staging: &wgpu::Buffer, count: usize, out: &mut Vec<O>) -> Result<(), Error> {
         let bytes = (count * size_of::<O>()) as u64;
         let device_of_callback = self.device.clone();
@@ -369,7 +330,6 @@ impl DevicePack {
     }
 }
 
-/// Runs one pipeline on `groups` workgroups.
 fn dispatch(
     encoder: &mut wgpu::CommandEncoder,
     pipeline: &wgpu::ComputePipeline,
@@ -382,7 +342,6 @@ fn dispatch(
     pass.dispatch_workgroups(groups, 1, 1);
 }
 
-/// The time that the kernels of a chunk take, by the clock of the device.
 #[derive(Debug)]
 struct Clock {
     queries: wgpu::QuerySet,
@@ -393,7 +352,6 @@ struct Clock {
 impl Clock {
     const BYTES: usize = 2 * size_of::<u64>();
 
-    /// `None` if the device has no such clock.
     fn new(pack: &DevicePack) -> Option<Self> {
         use wgpu::BufferUsages as Usage;
         let device = &pack.device.0.device;
@@ -424,13 +382,11 @@ impl Clock {
     }
 }
 
-/// How a batch of pairs is solved.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
     pub(crate) query: Query,
     pub(crate) tolerance: f32,
     pub(crate) max_steps: u32,
-    /// Whether pairs start from their states.
     pub(crate) is_warm: bool,
 }
 
@@ -452,7 +408,6 @@ pub(crate) struct PairBuffers {
     seconds: f64,
 }
 
-/// The simplices of all pairs of a batch.
 #[derive(Debug)]
 pub(crate) struct States {
     buffer: wgpu::Buffer,
@@ -515,7 +470,6 @@ impl PairBuffers {
         Ok(())
     }
 
-    /// Time of the kernels of the last batch in seconds. `None` if the device has no clock.
     pub(crate) fn seconds(&self) -> Option<f64> {
         self.clock.as_ref().map(|_| self.seconds)
     }
@@ -586,7 +540,6 @@ impl PairBuffers {
     }
 }
 
-/// Buffers of the support kernel, which grow with the batches.
 #[derive(Debug)]
 pub(crate) struct DirectionBuffers {
     parameters: wgpu::Buffer,

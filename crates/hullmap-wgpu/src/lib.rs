@@ -6,17 +6,10 @@
 //! rounding errors, fused operations included, and a [`Status`] that says what is proven.
 //! [`Batch::settle`] finishes on the processor, in f64, what f32 left open.
 //!
-//! # Files
-//! - `batch.rs`: the calls, and the processor's side of them.
-//! - `device.rs`: the device, the pack in its memory, buffers and dispatches.
-//! - `records.rs`: what the kernels read and write.
-//! - `rounding.rs`: the bound on their rounding errors.
-//! - `kernels/`: the kernels. Tests judge their answers by the intervals of the processor.
-//!
 //! # Limits
 //! - Sections longer than a binding are an error.
-//! - Correctness is tested on Mesa's lavapipe, and was judged on an NVIDIA H100; docs/gpu.md has
-//!   times.
+//! - Correctness is tested on Mesa's lavapipe, and was checked once on an NVIDIA H100. docs/gpu.md
+//!   has times.
 
 #![forbid(unsafe_code)]
 

@@ -54,9 +54,7 @@ pub(crate) struct HullRecord {
     pub(crate) leaf_blocks: u32,
     /// Start of the hull's words in `slots`.
     pub(crate) slot_start: u32,
-    /// Number of its words.
     pub(crate) slot_count: u32,
-    /// Start of the hull's blocks in `blocks`.
     pub(crate) block_start: u32,
     /// Number of its blocks. 0 for a hull that an unchecked pack lacks.
     pub(crate) block_count: u32,
@@ -87,11 +85,9 @@ impl HullRecord {
 /// The sections of packs that the kernels read, and a record for each hull.
 #[derive(Clone, Debug)]
 pub(crate) struct Tables<'a> {
-    /// One record for each hull, pack by pack.
     pub(crate) hulls: Vec<HullRecord>,
     /// The section `blocks`, unchanged: 32 words per block. The blocks of several packs are joined.
     pub(crate) blocks: Cow<'a, [u32]>,
-    /// The section `slots`, likewise.
     pub(crate) slots: Cow<'a, [u32]>,
 }
 
@@ -99,12 +95,6 @@ impl<'a> Tables<'a> {
     /// The tables of `pack`.
     ///
     /// A hull that a pack opened without checks lacks has a record without blocks.
-    ///
-    /// # Errors
-    /// [`Error::Pack`] if the processor is big-endian, since packs are not.
-    ///
-    /// # Complexity
-    /// O(number of hulls). Sections are not copied.
     pub(crate) fn from_pack(pack: &'a Pack) -> Result<Self, Error> {
         if cfg!(target_endian = "big") {
             return Err(Error::Pack);
@@ -123,13 +113,6 @@ impl<'a> Tables<'a> {
     }
 
     /// The tables of several packs. Hulls are counted through the packs.
-    ///
-    /// # Errors
-    /// The errors of [`Tables::from_pack`]. [`Error::TooLarge`] if the sections have 2³² words or
-    /// more.
-    ///
-    /// # Complexity
-    /// O(number of hulls), and a copy of the sections of two or more packs.
     pub(crate) fn from_packs(packs: &[&'a Pack]) -> Result<Self, Error> {
         let mut joined = Self { hulls: Vec::new(), blocks: Cow::Borrowed(&[]), slots: Cow::Borrowed(&[]) };
         for pack in packs {
@@ -189,7 +172,6 @@ impl PairRecord {
     /// Instead of a hull's index: there is no such hull, or the lengths are out of range.
     pub const REJECTED: u32 = u32::MAX;
 
-    /// Prepares `pair` for the kernels.
     pub(crate) fn prepare(pair: &IndexedPair, hulls: &[HullRecord]) -> Self {
         Self::try_prepare(pair, hulls).unwrap_or(Self { a: Self::REJECTED, ..Self::default() })
     }
@@ -244,11 +226,6 @@ pub enum Status {
 
 impl Status {
     /// The status in snake case. The names are stable.
-    ///
-    /// # Examples
-    /// ```
-    /// assert_eq!(hullmap_wgpu::Status::Budget.as_str(), "budget");
-    /// ```
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Separated => "separated",
@@ -261,13 +238,6 @@ impl Status {
     }
 
     /// Whether the processor could say more: everything but a proven answer within the tolerance.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap_wgpu::Status;
-    ///
-    /// assert!(Status::Open.is_unsettled() && !Status::Overlapping.is_unsettled());
-    /// ```
     pub fn is_unsettled(self) -> bool {
         !matches!(self, Self::Separated | Self::Overlapping)
     }
@@ -308,24 +278,11 @@ pub struct AnswerRecord {
 
 impl AnswerRecord {
     /// The record as words. Two records are the same bit for bit if these are equal.
-    ///
-    /// # Examples
-    /// ```
-    /// let record = hullmap_wgpu::AnswerRecord { lower: 1.0, ..Default::default() };
-    /// assert_eq!(record.bits()[3], 1.0_f32.to_bits());
-    /// ```
     pub fn bits(&self) -> [u32; 16] {
         bytemuck::cast(*self)
     }
 
     /// The status.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap_wgpu::{AnswerRecord, Status};
-    ///
-    /// assert_eq!(AnswerRecord::default().status(), Status::Separated);
-    /// ```
     pub fn status(&self) -> Status {
         match self.status {
             code::SEPARATED => Status::Separated,
@@ -348,8 +305,8 @@ pub struct Answer {
     pub lower: f64,
     /// Upper bound of the distance, or of the depth.
     pub upper: f64,
-    /// Normal from A to B of the planes that prove `lower` of a distance, or `upper` of a depth. Of
-    /// unit length within 1e-6.
+    /// Normal from A to B of the planes that prove `lower` of a distance, or `upper` of a depth.
+    /// Its length is 1 within 1e-6.
     pub normal: DVec3,
     /// Witness point of A, a point of A within rounding error: the closest to B, or the deepest in
     /// B.

@@ -9,7 +9,6 @@ pub(crate) const EPSILON: f64 = 1.0 / (1 << 23) as f64;
 /// the direction and the radius of the ball around the hull.
 pub const SUPPORT_SHORTFALL: f64 = 1.0 / (1 << 18) as f64;
 
-/// Coefficients of [`rounding_error`], in units of [`EPSILON`].
 mod units {
     /// For the sum of the outer radii.
     pub(super) const RADII: f64 = 54.0;

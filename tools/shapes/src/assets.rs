@@ -9,7 +9,6 @@ use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Name of the file with the table of models.
 const README: &str = "README.md";
 
 /// Name and bytes of a generated file.
@@ -133,7 +132,6 @@ pub fn write(dir: &Path) -> Result<Vec<String>, AssetError> {
     Ok(written)
 }
 
-/// Writes `bytes` to a file beside `path`, then renames it.
 fn replace(path: &Path, bytes: &[u8]) -> Result<(), AssetError> {
     let mut beside = path.as_os_str().to_owned();
     beside.push(".partial");
@@ -144,7 +142,6 @@ fn replace(path: &Path, bytes: &[u8]) -> Result<(), AssetError> {
     fs::rename(&beside, path).map_err(failed("move a file to", path))
 }
 
-/// One-based number of the line with the first byte that differs.
 fn first_different_line(a: &[u8], b: &[u8]) -> usize {
     let same = a.iter().zip(b).take_while(|(x, y)| x == y).count();
     1 + a[..same].iter().filter(|byte| **byte == b'\n').count()

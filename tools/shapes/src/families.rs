@@ -153,8 +153,7 @@ impl Family {
     }
 }
 
-/// Random points on the unit sphere, uniform by area; all extreme. Panics if `n` is below
-/// [`MIN_POINTS`].
+/// Random points on the unit sphere, uniform by area; all extreme.
 pub fn sphere(n: usize, seed: u64) -> Vec<[f32; 3]> {
     let mut rng = SplitMix64::new(seed);
     distinct(n, || rng.direction())
@@ -197,16 +196,13 @@ pub fn rock(n: usize, seed: u64) -> Vec<[f32; 3]> {
 
 /// Two regular polygons one above the other, at z = ±1 and of radius 1; all extreme.
 ///
-/// Both caps are exactly planar. For odd `n` the lower one has a corner more. The seed is not used.
-/// Panics if `n` is below [`MIN_POINTS`].
+/// Both caps are exactly planar. For odd `n` the lower one has a corner more.
 pub fn prism(n: usize, _seed: u64) -> Vec<[f32; 3]> {
     distinct_from(n, prism_corners(n))
 }
 
-/// The points of [`prism`] scaled by 0.7 and rotated about (3, 1, 2) by a fixed angle.
-///
-/// Rounding to `f32` leaves the caps coplanar only to about 6e-8. The seed is not used. Panics if
-/// `n` is below [`MIN_POINTS`].
+/// The points of [`prism`] scaled by 0.7 and rotated about (3, 1, 2) by a fixed angle. Rounding to
+/// `f32` leaves the caps coplanar only to about 6e-8.
 pub fn rotated_prism(n: usize, _seed: u64) -> Vec<[f32; 3]> {
     // A prism reaches √2 from its centre: 0.7 keeps any rotation of it within [-1, 1].
     distinct_from(n, prism_corners(n).map(|p| rotated_generic(vector::scale(p, 0.7))))
@@ -214,17 +210,14 @@ pub fn rotated_prism(n: usize, _seed: u64) -> Vec<[f32; 3]> {
 
 /// A regular polygon of `n` − 1 corners at z = -1, of radius 1, and an apex at z = 1; all extreme.
 ///
-/// The base is exactly planar; the apex is the last point and has `n` − 1 neighbours. The seed is
-/// not used. Panics if `n` is below [`MIN_POINTS`].
+/// The base is exactly planar; the apex is the last point and has `n` − 1 neighbours.
 pub fn cone(n: usize, _seed: u64) -> Vec<[f32; 3]> {
     let base = ring(n.saturating_sub(1).max(1), 1.0, -1.0);
     distinct_from(n, base.chain([[0.0, 0.0, 1.0]]))
 }
 
-/// Random points on two shallow spherical caps that share a rim of radius 1; all extreme.
-///
-/// Twenty times as wide as it is thick: see [`LENS_HALF_THICKNESS`]. Panics if `n` is below
-/// [`MIN_POINTS`].
+/// Random points on two shallow spherical caps that share a rim of radius 1; all extreme. Twenty
+/// times as wide as it is thick: see [`LENS_HALF_THICKNESS`].
 pub fn lens(n: usize, seed: u64) -> Vec<[f32; 3]> {
     let radius = lens_sphere_radius();
     let mut rng = SplitMix64::new(seed);
@@ -257,8 +250,7 @@ pub fn uv_sphere(n: usize, _seed: u64) -> Vec<[f32; 3]> {
     distinct_from(n, points)
 }
 
-/// Random points inside the unit ball, uniform by volume; few extreme (about √n of them). Panics if
-/// `n` is below [`MIN_POINTS`].
+/// Random points inside the unit ball, uniform by volume; few extreme (about √n of them).
 pub fn ball(n: usize, seed: u64) -> Vec<[f32; 3]> {
     let mut rng = SplitMix64::new(seed);
     distinct(n, || vector::scale(rng.direction(), libm::cbrt(rng.unit())))
@@ -278,17 +270,14 @@ pub fn cube_grid(n: usize, _seed: u64) -> Vec<[f32; 3]> {
     distinct_from(n, points)
 }
 
-/// Random points in a square of the plane z = [`FLAT_SHEET_Z`]: affine rank 2, exactly. Panics if
-/// `n` is below [`MIN_POINTS`].
+/// Random points in a square of the plane z = [`FLAT_SHEET_Z`]: affine rank 2, exactly.
 pub fn flat_sheet(n: usize, seed: u64) -> Vec<[f32; 3]> {
     let mut rng = SplitMix64::new(seed);
     distinct(n, || [rng.between(-1.0, 1.0), rng.between(-1.0, 1.0), f64::from(FLAT_SHEET_Z)])
 }
 
-/// Random points on an ellipsoid a thousand times as long (in x) as it is wide; all extreme.
-///
-/// The half-length is 1, the radius across is [`NEEDLE_RADIUS`]. Panics if `n` is below
-/// [`MIN_POINTS`].
+/// Random points on an ellipsoid a thousand times as long (in x) as it is wide; all extreme. The
+/// half-length is 1, the radius across is [`NEEDLE_RADIUS`].
 pub fn needle(n: usize, seed: u64) -> Vec<[f32; 3]> {
     let mut rng = SplitMix64::new(seed);
     distinct(n, || stretched(rng.direction(), [1.0, NEEDLE_RADIUS, NEEDLE_RADIUS]))
@@ -609,7 +598,6 @@ mod tests {
         assert!(flat_sheet(500, 1).iter().all(|p| p[2] == FLAT_SHEET_Z));
     }
 
-    /// FNV-1a over the little-endian bits of all coordinates.
     fn fingerprint(points: &[[f32; 3]]) -> u64 {
         let bytes = points.iter().flatten().flat_map(|x| x.to_le_bytes());
         bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))

@@ -6,15 +6,6 @@
 //! reads a clock, a path or the order of a hash map. Lengths have no unit, shapes have a radius of
 //! about one, z is up, and faces wind counter-clockwise seen from outside.
 //!
-//! - [`families`]: `fn(n, seed) -> Vec<[f32; 3]>`, and [`families::Family`] to iterate over them by
-//!   name.
-//! - [`mesh`] and [`solids`]: an indexed polygon mesh and the ways to build one.
-//! - [`capped`]: solids with a face of many corners near an axis.
-//! - [`concave`]: concave solids, for convex decomposition.
-//! - [`obj`]: OBJ text, in the dialects of real files.
-//! - [`gltf`], [`stl`], [`ply`], [`collada`], [`msh`]: the other mesh formats.
-//! - [`models`] and [`assets`]: the committed models, and the files they become.
-//!
 //! ```
 //! use shapes::families::Family;
 //!

@@ -176,7 +176,6 @@ impl Document {
     }
 }
 
-/// Number of data lines of each kind so far.
 #[derive(Clone, Copy, Default)]
 struct Counts {
     vertices: u32,

@@ -227,7 +227,6 @@ pub fn geodesic(levels: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     (directions, triangles)
 }
 
-/// The golden ratio.
 fn golden() -> f64 {
     (1.0 + libm::sqrt(5.0)) / 2.0
 }
@@ -264,7 +263,6 @@ pub fn octahedron_vertices() -> Vec<[f64; 3]> {
     corners
 }
 
-/// (0, ±`a`, ±`b`) and its cyclic shifts.
 fn cyclic_corners(a: f64, b: f64) -> Vec<Vec3> {
     let mut corners = Vec::new();
     for shift in 0..3 {
@@ -281,7 +279,6 @@ fn cyclic_corners(a: f64, b: f64) -> Vec<Vec3> {
 mod tests {
     use super::*;
 
-    /// Vertices − edges + faces.
     fn euler_characteristic(mesh: &Mesh) -> i64 {
         let half_edges: usize = mesh.faces.iter().map(Vec::len).sum();
         mesh.vertices.len() as i64 - half_edges as i64 / 2 + mesh.faces.len() as i64

@@ -1,6 +1,5 @@
 //! Three-vectors in `f64`. Shapes are computed in double precision and rounded to `f32` once.
 
-/// A point or direction in double precision.
 pub(crate) type Vec3 = [f64; 3];
 
 pub(crate) fn add(a: Vec3, b: Vec3) -> Vec3 {

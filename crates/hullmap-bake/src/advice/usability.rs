@@ -1,6 +1,5 @@
-//! Whether a physics engine can use the parts of an object: whether they are thick enough, and
-//! whether they protrude, overlap and cover as was requested. If not, a warning gives the reason
-//! and the remedy.
+//! Whether a physics engine can use the parts of an object: their thickness, protrusion, overlap
+//! and coverage.
 
 use hullmap_format::SolidKind;
 
@@ -10,9 +9,8 @@ use crate::{
     number::{percent, short},
 };
 
-/// Thickness below which a part is thin, relative to the diagonal of its object. Engines let bodies
-/// that rest on each other overlap by this much or more: of a body of 1 m, Rapier by 1 mm, and Jolt
-/// by 20 mm. Bodies pass through a part that is not thicker.
+/// Thickness, relative to the object's diagonal, below which bodies pass through a part. For a body
+/// of 1 m, Rapier lets resting bodies overlap by 1 mm, and Jolt by 20 mm.
 pub const THIN: f64 = 1e-3;
 
 /// Ratio of a protrusion to the requested one up to which rounding may explain the difference.

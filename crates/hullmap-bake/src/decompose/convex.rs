@@ -1,5 +1,4 @@
-//! Whether a mesh is already convex: all its triangles lie on its hull's surface, and have the same
-//! total area.
+//! A mesh is convex if its triangles lie on its hull's surface and have the same total area.
 
 use glam::DVec3;
 

@@ -1,5 +1,4 @@
-//! Parts that leave no voids: what they leave of the solid is absorbed by them, or gets parts of
-//! its own.
+//! Fills voids: parts absorb what they leave of the solid, or it gets parts of its own.
 //!
 //! # Steps
 //! 1. Find what is left, as convex pieces ([`remainder`]).
@@ -11,12 +10,9 @@
 //! 4. Join new parts in pairs, the cheapest in volume first, under the same conditions.
 //! 5. Repeat with the hulls that are stored, until nothing is left.
 //!
-//! The search is not symmetric, so the parts of a symmetric mesh may no longer be.
-//!
-//! # Why it is proven
-//! Step 1 measures the hulls that are stored. If it finds nothing, every point of the solid is in a
-//! part, grown by [`GROWN`](crate::fit::remainder::GROWN). Parts that grow still contain what they
-//! contained, so the surface stays covered.
+//! Why it is proven: step 1 measures the stored hulls. If it finds nothing, every point of the
+//! solid is in a part, grown by [`GROWN`](crate::fit::remainder::GROWN). Parts that grow keep what
+//! they contained.
 
 use glam::DVec3;
 
@@ -44,22 +40,18 @@ const ROUNDS: usize = 6;
 /// Number of new parts up to which all pairs are compared to join them.
 const FEW: usize = 48;
 
-/// Number of pieces from which their hull may overlap parts by more than is allowed: otherwise they
-/// become as many parts.
+/// Number of pieces from which their hull may overlap parts by more than allowed: otherwise, each
+/// becomes a part.
 const MANY_PIECES: usize = 8;
 
 /// Maximum number of hulls that are tried for one part in a round.
 const TRIALS: usize = 24;
 
-/// What is needed to fill voids.
 pub struct Filling<'a, 'b> {
     /// From where protrusion counts.
     pub field: &'a Field<'a>,
-    /// The solid to be filled.
     pub solid: &'a Solid,
-    /// Vertices of the mesh.
     pub vertices: &'a SourceVertices<'a>,
-    /// Limits of a part.
     pub bounds: Bounds<'b>,
     /// Volume that parts may have in common, relative to the sum of their volumes.
     pub overlap: f64,
@@ -67,7 +59,6 @@ pub struct Filling<'a, 'b> {
     pub max_parts: Option<usize>,
 }
 
-/// Pieces of the solid in no part.
 #[derive(Clone, Default)]
 struct Left {
     pieces: Vec<Remnant>,
@@ -82,13 +73,10 @@ impl Left {
         self.pieces.iter().map(|piece| piece.body.volume()).sum()
     }
 
-    /// What a hull of the pieces alone may add, relative to their volume: `room`, unless they are
-    /// many.
     fn room(&self, room: f64) -> f64 {
         if self.pieces.len() < MANY_PIECES { room } else { f64::INFINITY }
     }
 
-    /// The first half of the pieces in the order of a key, and the rest.
     fn halves(mut self, key: impl Fn(&Remnant) -> f64) -> [Self; 2] {
         self.pieces.sort_by(|a, b| key(a).total_cmp(&key(b)));
         let rest = self.pieces.split_off(self.pieces.len() / 2);
@@ -110,7 +98,6 @@ impl Filling<'_, '_> {
             }
             let left = Left { pieces };
             let (before, filled) = (volume(&hulls), left.volume());
-            // Each hull may add its share of that.
             let room = spare / filled;
             let rest = self.absorb(&mut hulls, left.pieces, room);
             let new = self.joined(self.divided(rest, hulls.len(), room), room);
@@ -158,8 +145,7 @@ impl Filling<'_, '_> {
         rest
     }
 
-    /// Parts for pieces that no part absorbs, with the pieces of each. `count` is the number of
-    /// other parts.
+    /// Parts for pieces that no part absorbs, with the pieces of each, beside `count` other parts.
     fn divided(&self, left: Left, count: usize, room: f64) -> Vec<(Hull, Left)> {
         let mut found = Vec::new();
         let mut stack = vec![left];
@@ -184,7 +170,6 @@ impl Filling<'_, '_> {
         found
     }
 
-    /// New parts, of which pairs are joined.
     fn joined(&self, parts: Vec<(Hull, Left)>, room: f64) -> Vec<(Hull, Left)> {
         if parts.len() > FEW {
             return parts;
@@ -204,7 +189,6 @@ impl Filling<'_, '_> {
         parts.into_iter().flatten().collect()
     }
 
-    /// The hull of a part and of pieces, if it is proven and adds little volume besides.
     fn hull_of(&self, part: Option<&Hull>, left: &Left, room: f64) -> Option<Hull> {
         let mut points: Vec<DVec3> = left.points().collect();
         points.extend(part.iter().flat_map(|hull| hull.positions()));
@@ -218,14 +202,12 @@ impl Filling<'_, '_> {
         wrap::prove(self.field, &hull, &self.bounds, wrap::MEASUREMENTS).ok().map(|_| hull)
     }
 
-    /// The hull of points, if it has few enough vertices.
     fn within_limits(&self, points: &[DVec3]) -> Option<Hull> {
         let Bounds { diagonal, thickness, max_vertices, .. } = self.bounds;
         let hull = self.vertices.built(few::within_vertices(wrap::tight(points, diagonal, thickness)?, max_vertices));
         Some(hull).filter(|hull| hull.vertices.len() <= max_vertices && hull.rank == 3)
     }
 
-    /// Parts for a single piece: of the piece, or of tetrahedra if it has too many vertices.
     fn alone(&self, piece: &Remnant) -> Vec<Hull> {
         let corners: Vec<DVec3> = piece.body.corners().collect();
         let is_proven = |hull: &Hull| wrap::prove(self.field, hull, &self.bounds, wrap::MEASUREMENTS).is_ok();
@@ -236,13 +218,11 @@ impl Filling<'_, '_> {
     }
 }
 
-/// Two new parts, and the volume that their hull adds.
 struct PartPair {
     added: f64,
     of: [usize; 2],
 }
 
-/// The pairs of a part with those before it.
 fn pairs_with(parts: &[Option<(Hull, Left)>], last: usize) -> Vec<PartPair> {
     let Some((hull, _)) = &parts[last] else { return Vec::new() };
     let pair = |(index, other): (usize, &Option<(Hull, Left)>)| {

@@ -27,9 +27,8 @@ use crate::{
 /// Distance from the parts up to which the surface counts as covered, relative to the diagonal.
 pub const COVERED: f64 = 1e-7;
 
-/// Maximum number of rounds in which triangles that are not proven to be covered are absorbed by
-/// parts or become parts, for instance because they have no area. Bounds are measured by
-/// subtracting parts, so further parts may raise the bound of a triangle that they cut.
+/// Maximum number of rounds for triangles that are not proven to be covered, for instance because
+/// they have no area. A part that cuts a triangle may raise its bound, so rounds repeat.
 const UNCOVERED_ROUNDS: usize = 4;
 
 /// Numbers of vertices with which a symmetric hull is tried, relative to the maximum: the half of a
@@ -42,14 +41,11 @@ struct Unit {
     image: Option<Hull>,
 }
 
-/// What final hulls depend on.
 struct Finish<'a, 'b> {
     vertices: &'a SourceVertices<'a>,
     levels: &'a Levels<'b>,
     bounds: Bounds<'b>,
-    /// Limits of thin parts.
     thin: Bounds<'b>,
-    /// Planes of large faces of the mesh's hull.
     sides: Vec<HalfSpace>,
 }
 
@@ -95,7 +91,6 @@ impl Finish<'_, '_> {
         self.levels.surface.mirror.as_ref()
     }
 
-    /// The tight hull of a part with at most a share of the allowed number of vertices.
     fn tight(&self, part: &Part, share: f64) -> Hull {
         let max_vertices = ((share * self.bounds.max_vertices as f64) as usize).max(crate::simplify::MIN_VERTICES);
         let bounds = Bounds { max_vertices, ..self.bounds };
@@ -114,7 +109,6 @@ impl Finish<'_, '_> {
         Unit { hull: self.vertices.built(symmetric.unwrap_or(tight)), image: None }
     }
 
-    /// The hulls of a part and of its image.
     fn mirrored(&self, part: &Part) -> Unit {
         let hull = self.tight(part, 1.0);
         let Some(mirror) = self.mirror() else { return Unit { hull: self.vertices.built(hull), image: None } };
@@ -122,7 +116,6 @@ impl Finish<'_, '_> {
         self.with_image(grown.unwrap_or(hull), mirror)
     }
 
-    /// A hull and its image. Both have the same vertices after they are built.
     fn with_image(&self, hull: Hull, mirror: &Mirror) -> Unit {
         let image_of = |hull: &Hull| symmetric::image(hull, mirror).map(|image| self.vertices.built(image));
         let mut hull = self.vertices.built(hull);
@@ -149,8 +142,8 @@ impl Finish<'_, '_> {
         own.into_iter().map(unit).collect()
     }
 
-    /// Adds triangles that no part covers to the nearest parts where that can be proven, and as
-    /// parts elsewhere, up to `max_parts`. Then, and when the time is over, parts protrude more.
+    /// Adds uncovered triangles to the nearest parts if that is proven, and as parts otherwise. At
+    /// `max_parts`, or after the deadline, parts protrude more.
     fn add_rest(&self, units: &mut Vec<Unit>, triangles: &[Triangle], max_parts: usize) {
         let all = units.iter().enumerate();
         let owners: Vec<(usize, usize)> =
@@ -172,7 +165,6 @@ impl Finish<'_, '_> {
             for corners in left {
                 let slack = COVERED * self.bounds.diagonal;
                 if added.iter().any(|body| corners.iter().all(|p| body.holds(*p, slack))) {
-                    // For instance in the image of another one.
                 } else if count < max_parts && (owner.is_none() || !is_over()) {
                     let own = self.of_triangle(&corners, max_parts - count);
                     let hulls: Vec<&Hull> = own.iter().flat_map(Unit::hulls).collect();

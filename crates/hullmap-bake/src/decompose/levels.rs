@@ -1,10 +1,9 @@
 //! Levels: the limits for which parts are searched, and which of the results is taken.
 //!
 //! The limits are a fixed geometric series, relative to the mesh's diagonal. A maximum error uses
-//! the levels below it. Of their results, the one with the fewest parts is taken; among equal ones,
-//! the result with the lowest limit. All levels down to a fixed one are candidates, unless their
-//! parts are proven to be more. So a larger error has the same candidates and some more. It takes
-//! more parts only if step 2 leaves out the level that would have had fewer.
+//! the levels below it. The result with the fewest parts is taken, then the one with the lowest
+//! limit. A larger error has the same candidates and some more; it takes more parts only if step 2
+//! leaves out the level with fewer.
 //!
 //! # Steps
 //! 1. Search the highest level, then lower ones, down to 0.5 % of the diagonal. End when conflicts
@@ -12,7 +11,8 @@
 //! 2. Give up a level when it has far more parts before mergers than the best level had. End when
 //!    lower levels cannot be better, which keeps meshes with many parts from taking minutes.
 //! 3. If conflicts prove that no level has fewer parts than the best, lower levels only give
-//!    tighter parts. Then search the levels at whole octaves, and others only where these end.
+//!    tighter parts. Search whole octaves, and other levels only below the last octave with such
+//!    parts.
 
 use super::{
     parameters::Cover,
@@ -34,13 +34,11 @@ const PER_OCTAVE: i32 = 16;
 /// Number of levels between those that serve maximum errors. The others serve numbers of parts.
 const STEP: i32 = 4;
 
-/// Smallest limit on the protrusion that is searched for, relative to the diagonal. Parts are moved
-/// outward by up to a tenth of that.
+/// Smallest limit of a search, relative to the diagonal. Parts are moved outward by up to a tenth.
 const LEAST_ERROR: f64 = 2e-5;
 
-/// The same, relative to the greatest coordinate, which is more where the mesh is far from the
-/// origin. Rounding to f32 moves a vertex by up to 2e-7 of the coordinate, and a cell may protrude
-/// by 8 % of the limit.
+/// Smallest limit relative to the greatest coordinate, for meshes far from the origin. Rounding to
+/// f32 moves a vertex by up to 2e-7 of the coordinate; a cell may protrude by 8 % of the limit.
 const LEAST_ROUNDED: f64 = 1e-5;
 
 /// Maximum number of parts made by halving, the result if the time ends at once.
@@ -56,30 +54,28 @@ const FEW: i32 = 3;
 /// number of the best level, plus the second.
 const FEWER_LATER: (f64, f64) = (1.35, 24.0);
 
-/// The same, if the parts of the best level were merged to far fewer.
+/// Factor if the parts of the best level were merged to far fewer.
 const MERGED_LATER: f64 = 2.0;
 
-/// Parts were merged to far fewer if there were more before mergers than the first of these times
-/// their number, plus the second.
+/// Factor and addend: parts were merged to far fewer if there were more before mergers than this.
 const FAR_FEWER: (f64, f64) = (1.35, 8.0);
 
 /// A level ends the search if it has more parts than this after mergers, and more than the best
 /// level's plus an eighth and 4. Searches for fewer parts do not take long.
-const HOPELESS: usize = 40;
+const MAX_MERGED_PARTS: usize = 40;
 
 /// A level also ends the search if it is given up, or is not merged, at more parts before mergers
 /// than this.
-const HOPELESS_BEFORE_MERGERS: usize = 200;
+const MAX_PARTS_BEFORE_MERGERS: usize = 200;
 
 /// Number of parts before mergers, of all levels together, after which a search ends if the best
-/// level has more than [`HOPELESS`] parts. Each takes about 0.04 s, so this bounds the time.
+/// level has more than [`MAX_MERGED_PARTS`] parts. Each takes about 0.04 s: this bounds the time.
 const MOST_IN_ALL: usize = 500;
 
 /// The level of a limit that is never needed: parts may protrude by more than the mesh's size.
 const HIGHEST: i32 = 96;
 
-/// Number of levels to the second that is tried for a number of parts. Each further stride upward
-/// is twice as long.
+/// First distance between levels that are tried for a number of parts. It doubles upward.
 const STRIDE: i32 = 16;
 
 /// Number of levels between few enough parts and too many at which the search ends.
@@ -94,11 +90,11 @@ const LOWEST_FIRST: i32 = -PER_OCTAVE;
 /// Maximum number of searches for a number of parts.
 const MAX_SEARCHES: usize = 5;
 
-/// The same for the whole surface after its half. They take twice as long, and start near the end.
+/// Maximum number of searches of a whole surface after its half: slower, but they start near the
+/// end.
 const MAX_AFTER_HALF: usize = 2;
 
-/// Smallest limit that is searched only because parts for a smaller limit are tighter, relative to
-/// the diagonal.
+/// Smallest limit, relative to the diagonal, that is searched only for tighter parts.
 const LEAST_FOR_TIGHTNESS: f64 = 1e-3;
 
 /// Smallest limit that is searched for a number of parts, relative to the diagonal. Below it, more
@@ -108,54 +104,42 @@ const LEAST_FOR_COUNTS: f64 = 2e-3;
 /// Time that a search leaves for final hulls.
 const FINISHING: Reserve = Reserve { share: 0.2, seconds: 4.0 };
 
-/// Number of levels down to about `count` parts, if the number is inversely proportional to the
-/// limit.
+/// Number of levels down to about `count` parts, assuming an inverse proportion to the limit.
 fn stride(count: usize, found: usize) -> i32 {
     let octaves = libm::log2(count as f64 / found.max(1) as f64);
     ((octaves * f64::from(PER_OCTAVE)) as i32 + 1).clamp(CLOSE_ENOUGH, 2 * STRIDE)
 }
 
-/// Number of parts before mergers that may be merged to about `parts`.
 fn most_before_mergers(parts: usize) -> usize {
     (FAR_FEWER.0 * parts as f64 + FAR_FEWER.1) as usize
 }
 
-/// Results with at most about this number of parts.
 fn about(parts: usize) -> Useful {
     Useful { parts, divided: most_before_mergers(parts) }
 }
 
-/// Parts, and the limit within which they were searched.
 pub struct Found {
-    /// The parts.
     pub parts: Vec<Part>,
     /// Further parts, each of which stands for its mirror image, too.
     pub mirrored: Vec<Part>,
-    /// Approximate number of parts to which they can be merged.
     pub fewest: usize,
-    /// Number of parts before mergers.
     pub divided: usize,
-    /// The limit on their protrusion.
     pub limit: f64,
 }
 
 impl Found {
-    /// Number of parts, with mirror images.
     pub fn count(&self) -> usize {
         self.parts.len() + 2 * self.mirrored.len()
     }
 
-    /// The greatest proven protrusion.
     pub fn reached(&self) -> f64 {
         self.parts.iter().chain(&self.mirrored).map(|part| part.bound).fold(0.0, f64::max)
     }
 
-    /// Whether there were far more parts before mergers.
     pub fn is_merged(&self) -> bool {
         self.divided > most_before_mergers(self.count())
     }
 
-    /// Results with at most as many parts.
     fn useful(&self) -> Useful {
         let (factor, more) = if self.is_merged() { (MERGED_LATER, 0.0) } else { FEWER_LATER };
         let divided = (factor * self.divided as f64 + more) as usize;
@@ -182,29 +166,22 @@ fn better(best: Option<Found>, found: Option<Found>, error: f64) -> Option<Found
     }
 }
 
-/// The searches for one mesh.
 pub struct Levels<'a> {
-    /// What the parts contain.
     pub surface: &'a Surface,
-    /// The mesh's solid.
     pub field: Field<'a>,
     parameters: &'a Cover,
     max_vertices: usize,
     /// When the parts must be finished.
     deadline: Option<Deadline>,
     stage: Stage<'a>,
-    /// Number of parts above which a result is of no use, if that is known.
+    /// Number of parts above which a result is unusable, if known.
     pub enough: Option<usize>,
-    /// Protrusion above which a result with a maximum number of parts is of no use, if that is
-    /// known.
+    /// Protrusion above which a result with a maximum number of parts is unusable, if known.
     pub within: Option<f64>,
-    /// Number of searches so far.
     searches: i32,
 }
 
 impl<'a> Levels<'a> {
-    /// # Complexity
-    /// The same as for [`Field::new`].
     pub fn new(
         surface: &'a Surface,
         solid: &'a Solid,
@@ -230,13 +207,11 @@ impl<'a> Levels<'a> {
         self.field.solid().diagonal()
     }
 
-    /// The limits of a part while parts are searched.
     fn bounds(&self, limit: f64) -> Bounds<'a> {
         let deadline = self.deadline.map(|deadline| deadline.with_reserve(FINISHING));
         Bounds { deadline, ..self.final_bounds(limit) }
     }
 
-    /// The limits of a part while parts are finished.
     pub fn final_bounds(&self, limit: f64) -> Bounds<'a> {
         let (max_vertices, diagonal) = (self.max_vertices, self.diagonal());
         let error = self.parameters.max_error.resolve(diagonal);
@@ -260,13 +235,11 @@ impl<'a> Levels<'a> {
         self.bounds(0.0).is_over()
     }
 
-    /// The smallest limit that is searched for.
     fn least(&self) -> f64 {
         let greatest = self.field.solid().bounds().map(|p| p.abs().max_element()).into_iter().fold(0.0, f64::max);
         (LEAST_ERROR * self.diagonal()).max(LEAST_ROUNDED * greatest)
     }
 
-    /// The limit of a level.
     fn limit(&self, level: i32) -> f64 {
         let share = ORIGIN * libm::exp2(f64::from(level) / f64::from(PER_OCTAVE));
         (share * self.diagonal()).max(self.least())
@@ -281,7 +254,6 @@ impl<'a> Levels<'a> {
         level
     }
 
-    /// The parts for the parameters; `None` if there are none in time.
     pub fn parts(&mut self) -> Option<Found> {
         let error = self.parameters.max_error.resolve(self.diagonal());
         match self.parameters.max_parts {
@@ -312,7 +284,6 @@ impl<'a> Levels<'a> {
         Some(Found { parts, mirrored, fewest, divided, limit })
     }
 
-    /// The fewest parts within `error`.
     fn fewest(&mut self, error: f64) -> Option<Found> {
         let first = self.level(error, STEP);
         let last = self.last(first);
@@ -342,15 +313,15 @@ impl<'a> Levels<'a> {
             level -= STEP;
             let is_hopeless = useful.is_some_and(|useful| match &found {
                 Some(found) if found.count() < found.divided => {
-                    found.count() > HOPELESS.max(useful.parts + useful.parts / 8 + 4)
+                    found.count() > MAX_MERGED_PARTS.max(useful.parts + useful.parts / 8 + 4)
                 }
-                Some(found) => found.divided > HOPELESS_BEFORE_MERGERS,
-                None => useful.divided > HOPELESS_BEFORE_MERGERS,
+                Some(found) => found.divided > MAX_PARTS_BEFORE_MERGERS,
+                None => useful.divided > MAX_PARTS_BEFORE_MERGERS,
             });
             in_all += found.as_ref().map_or(useful.map_or(0, |useful| useful.divided), |found| found.divided);
             let is_useful = |found: &Found| useful.is_none_or(|useful| found.count() <= useful.parts);
             best = found.filter(is_useful).or(best);
-            let is_long = in_all > MOST_IN_ALL && best.as_ref().is_some_and(|best| best.count() > HOPELESS);
+            let is_long = in_all > MOST_IN_ALL && best.as_ref().is_some_and(|best| best.count() > MAX_MERGED_PARTS);
             if is_hopeless || is_long {
                 break;
             }
@@ -358,22 +329,19 @@ impl<'a> Levels<'a> {
         best
     }
 
-    /// The lowest level that is searched for fewer parts, if the highest one is `first`.
     fn last(&self, first: i32) -> i32 {
         let [fewer, tighter] = [LEAST_FOR_FEWER, LEAST_FOR_TIGHTNESS].map(|s| self.level(s * self.diagonal(), STEP));
         if first >= fewer { fewer } else { (first - (FEW - 1) * STEP).max(tighter.min(first)) }
     }
 
-    /// The next of the levels from `level` down to `last` for tighter parts, after some have been
-    /// found.
+    /// The next of the levels from `level` down to `last` for tighter parts.
     fn next(&self, found: &Found, level: i32, last: i32) -> i32 {
         // The levels between would give parts that are no tighter.
         if found.reached() < self.limit(last) { level.min(last) } else { level }
     }
 
-    /// The parts with the lowest limit of those that are as few as `best`, which is known to be the
-    /// fewest: the levels of whole octaves first, and then those below the last of them that has
-    /// such parts.
+    /// The parts with the lowest limit among those as few as `best`, which is known to be the
+    /// fewest.
     fn tightest(&mut self, best: Found, level: i32, samples: &Samples) -> Found {
         let last = self.level(LEAST_FOR_TIGHTNESS * self.diagonal(), STEP);
         let of_level = |levels: &mut Self, level: i32, best: &Found| {
@@ -398,7 +366,7 @@ impl<'a> Levels<'a> {
         best
     }
 
-    /// Parts of a larger error, to have some when the time ends; `None` if the time has no limit.
+    /// Parts of a larger error, in case the time runs out; `None` without a deadline.
     fn rough(&mut self, first: i32) -> Option<Found> {
         let mut best = self.halved(HALVED);
         for octaves in [3, 1] {
@@ -406,7 +374,6 @@ impl<'a> Levels<'a> {
                 break;
             }
             let found = self.search(first + octaves * PER_OCTAVE, None, false);
-            // None of them is within the error.
             best = better(best, found, 0.0);
         }
         best
@@ -427,8 +394,8 @@ impl<'a> Levels<'a> {
     }
 
     /// At most `count` parts, with the least protrusion. The search starts at `error`, or at a
-    /// level from which few searches lead to a small number. Where only less protrusion is of use,
-    /// it starts there, and goes no higher.
+    /// level that needs few searches for a small number. With `within`, it starts there and goes no
+    /// higher.
     fn at_most(&mut self, count: usize, error: f64) -> Option<Found> {
         // The lowest level known to have few enough parts, and the highest with too many.
         let (mut best, mut low) = (None::<(i32, Found)>, None::<i32>);
@@ -467,7 +434,7 @@ impl<'a> Levels<'a> {
         best.map(|(_, found)| self.refined(found, count))
     }
 
-    /// The same parts, some of them divided if there may be more parts.
+    /// Divides some parts if more are allowed.
     fn refined(&mut self, found: Found, count: usize) -> Found {
         let (reached, mut found) = (found.reached(), found);
         for limit in FURTHER.map(|share| share * reached) {
@@ -509,7 +476,6 @@ mod tests {
         mesh
     }
 
-    /// Conflicts of 64 points cannot prove that 150 bodies need 150 parts.
     #[test]
     fn lower_levels_with_many_more_parts_end_the_search() {
         let mesh = point_set(&bodies());

@@ -1,17 +1,5 @@
-//! Convex decomposition: a concave mesh becomes few convex parts that contain its whole surface and
-//! protrude by a limited length. Both are proven, in `fit/coverage.rs` and `fit/protrusion.rs`;
-//! `fit/fits.rs` states them.
-//!
-//! | file | concept |
-//! |---|---|
-//! | `parameters` | parameters of a cover |
-//! | `levels` | the limits for which parts are searched, and which result is taken |
-//! | [`partition`] | the parts for one limit |
-//! | `finish`, `rest` | final hulls, and triangles that are not covered |
-//! | `fill` | parts that leave no voids |
-//! | `search` | parts that are symmetric, or others if they are fewer |
-//! | `convex` | whether a mesh needs no parts |
-//! | `patch`, `part` | pieces of the surface, a part as a point set |
+//! Convex decomposition: few convex parts that contain the whole surface of a concave mesh and
+//! protrude by a limited length. `fit/coverage.rs` and `fit/protrusion.rs` prove both.
 //!
 //! ```
 //! use hullmap_bake::{PointSet, decompose::{Cover, Length, decompose}};
@@ -65,10 +53,9 @@ const MEASURING: Reserve = Reserve { share: 0.2, seconds: 4.0 };
 
 /// The convex parts of a mesh; `None` if the mesh is convex, or has no triangles or no volume.
 ///
-/// Each part is named after the mesh, with the suffix `_part_00`, `_part_01` and so on. Without a
-/// time limit, parts and their order depend on the mesh and the parameters only. A sheet, which has
-/// no inside, is covered by parts of the minimum thickness, which is at most half of the maximum
-/// error.
+/// Parts are named after the mesh, with the suffix `_part_00`, `_part_01` and so on. Without a time
+/// limit, they depend on the mesh and the parameters only. A sheet, which has no inside, is covered
+/// by parts of the minimum thickness, which is at most half of the maximum error.
 ///
 /// # Errors
 /// The errors of [`hull::build`].
@@ -80,15 +67,11 @@ pub fn decompose(mesh: &PointSet, parameters: &Cover) -> Result<Option<Vec<Point
 }
 
 /// Like [`decompose`], as a stage of a computation whose progress is shown.
-///
-/// # Errors
-/// The errors of [`decompose`].
 pub fn decompose_in(mesh: &PointSet, parameters: &Cover, stage: Stage) -> Result<Option<Vec<PointSet>>, BakeError> {
     let deadline = parameters.seconds.map(|seconds| Deadline::after(seconds).with_reserve(MEASURING));
     decompose_by(mesh, parameters, deadline, stage)
 }
 
-/// Like [`decompose_in`], by a deadline.
 fn decompose_by(
     mesh: &PointSet,
     parameters: &Cover,

@@ -40,11 +40,9 @@ impl fmt::Display for Length {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cover {
     /// Maximum protrusion of a part from the mesh's solid, above 0. With `max_parts`, the search
-    /// starts with this limit, or with 1 % of the diagonal if that is more, and finds the smallest
-    /// one that suffices.
+    /// for the smallest sufficient limit starts here, or at 1 % of the diagonal if that is more.
     pub max_error: Length,
-    /// Maximum number of parts, at least 1. It is never exceeded: if `max_error` takes more parts,
-    /// `max_error` is exceeded.
+    /// Maximum number of parts, at least 1. It has precedence over `max_error`.
     pub max_parts: Option<u32>,
     /// Maximum number of vertices of a part, at least
     /// [`MIN_VERTICES`](crate::simplify::MIN_VERTICES).
@@ -57,17 +55,14 @@ pub struct Cover {
     pub min_thickness: Length,
     /// Whether a mesh that has a mirror plane gets symmetric parts.
     pub symmetry: bool,
-    /// Radius of a ball: protrusion counts only where such a ball can get from outside. `None` for
-    /// everywhere.
+    /// Radius of a ball: protrusion counts only where it can get from outside. `None`: everywhere.
     pub reachable: Option<Length>,
-    /// Whether parts leave no voids: every point of a closed mesh's solid is in a part. Parts are
-    /// added for that, unless there are `max_parts` already. They may overlap others by more than
-    /// `overlap`.
+    /// Whether every point of a closed mesh's solid must be in a part. Parts are added for that, up
+    /// to `max_parts`. They may overlap others by more than `overlap`.
     pub fill: bool,
-    /// Time for the parts of a mesh, in seconds: to search, finish and measure them. A fifth of it,
-    /// but at most four seconds, is left for measuring. The result then depends on the machine, and
-    /// its parts may exceed `max_error`. In the worst case, there are up to eight parts: hulls of
-    /// what the surface is halved into.
+    /// Time to search, finish and measure the parts of a mesh, in seconds. A fifth of it, but at
+    /// most four seconds, is left for measuring. The result then depends on the machine, and may
+    /// exceed `max_error`; in the worst case it is up to eight hulls of halves of the surface.
     pub seconds: Option<f64>,
 }
 

@@ -1,5 +1,4 @@
-//! A convex part as a point set of its mesh: corners that are vertices of the mesh keep their
-//! source indices.
+//! A convex part as a point set of its mesh: corners keep their source indices.
 
 use crate::{
     NO_SOURCE_VERTEX, PointSet,
@@ -9,24 +8,19 @@ use crate::{
 /// Maximum number of times that a part is built again because it lost vertices.
 pub const BUILDS: usize = 4;
 
-/// The vertices of a mesh by their positions.
 pub struct SourceVertices<'a> {
     mesh: &'a PointSet,
-    /// Indices of the mesh's points, sorted by position, then by source index.
     order: Vec<u32>,
 }
 
 impl<'a> SourceVertices<'a> {
-    /// # Complexity
-    /// O(n log n) for n points.
     pub fn new(mesh: &'a PointSet) -> Self {
         let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
         order.sort_unstable_by_key(|i| (bits(mesh.positions[*i as usize]), mesh.source_vertices[*i as usize]));
         Self { mesh, order }
     }
 
-    /// The vertices of a hull as a part of the mesh, without a name: sorted by source index, then
-    /// by position.
+    /// The vertices of a hull as an unnamed part: sorted by source index, then by position.
     pub fn part(&self, hull: &Hull) -> PointSet {
         let mut points: Vec<([f32; 3], u32)> = hull.vertices.iter().map(|p| (*p, self.source_vertex_at(*p))).collect();
         points.sort_unstable_by_key(|(p, source_vertex)| (*source_vertex, p.map(f32::to_bits)));
@@ -81,7 +75,6 @@ mod tests {
         let moved = vec![[-0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.5]];
         let moved = PointSet { source_vertices: (0..4).collect(), positions: moved, ..PointSet::default() };
         let part = SourceVertices::new(&mesh).part(&hull::build(&moved).unwrap());
-        // Of vertices at one position, the lowest source index.
         assert_eq!(part.source_vertices, [10, 11, 12, NO_SOURCE_VERTEX]);
         assert_eq!(part.positions, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 3], [0.0, 0.0, 1.5]]);
         assert_eq!((part.name.as_str(), part.origin), ("", mesh.origin));

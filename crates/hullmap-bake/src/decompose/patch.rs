@@ -4,23 +4,18 @@ use glam::DVec3;
 
 use crate::fit::planes::{self, HalfSpace};
 
-/// Convex polygons of the surface.
 #[derive(Clone, Debug)]
 pub struct Patch {
-    /// The polygons.
     pub polygons: Vec<Vec<DVec3>>,
-    /// Points whose hull contains the polygons.
     pub points: Vec<DVec3>,
 }
 
 impl Patch {
-    /// Polygons that are not empty; `None` if there are none.
     pub fn new(polygons: Vec<Vec<DVec3>>) -> Option<Self> {
         let points = polygons.concat();
         (!points.is_empty()).then_some(Self { polygons, points })
     }
 
-    /// The pieces on both sides of a plane.
     pub fn divided(&self, plane: &HalfSpace, tolerance: f64) -> [Option<Self>; 2] {
         let (mut behind, mut in_front) = (Vec::new(), Vec::new());
         for polygon in &self.polygons {

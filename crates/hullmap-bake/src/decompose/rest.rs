@@ -5,10 +5,6 @@
 //! 1. Give each triangle to the part nearest to its farthest corner.
 //! 2. A part absorbs all of its triangles at once, if its hull with them is proven. Otherwise, each
 //!    half of them is tried, down to one.
-//!
-//! # Complexity
-//! For n triangles and m parts, a search of O(log m) boxes for each triangle, and at most 2 n
-//! proofs; one for each part that absorbs all of its triangles.
 
 use std::collections::BTreeMap;
 
@@ -21,8 +17,7 @@ use crate::{
     simplify::nearest::Nearest,
 };
 
-/// For each part, by its index, the triangles nearest to it. If there are no parts, part 0 gets all
-/// triangles.
+/// The triangles nearest to each part, by its index. Without parts, part 0 gets them all.
 pub fn by_part(parts: &[&Hull], triangles: &[Triangle]) -> BTreeMap<usize, Vec<Triangle>> {
     let tree = TriangleTree::of_boxes(parts.iter().map(|part| Bounds::around(&part.positions())));
     let nearest: Vec<Nearest> = parts.iter().map(|part| Nearest::new(part)).collect();

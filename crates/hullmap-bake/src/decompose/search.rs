@@ -1,15 +1,14 @@
 //! Which parts a mesh gets: symmetric ones if it has a mirror plane, unless others are fewer.
 //!
 //! # Steps
-//! 1. Search the parts of the half of the surface on one side of the mirror plane. They and their
-//!    images are the parts. Parts at the plane are merged with their images where the limit allows.
-//!    All are symmetric, except merged parts of which no symmetric hull is proven.
-//! 2. Where a part and its image meet at the plane and are not merged, or where mergers left far
-//!    fewer parts, cuts elsewhere may need fewer parts. Then search the parts of the whole surface,
-//!    too. They win if they are fewer.
-//!    With a maximum number of parts, they win if they protrude by less than nine tenths, or if
-//!    they are more and protrude less; so only lower limits are searched. A search whose time is
-//!    limited ends after step 1.
+//! 1. Search the parts of the surface on one side of the mirror plane, and add their images. Merge
+//!    parts at the plane with their images where the limit allows. All are symmetric, except merged
+//!    parts without a proven symmetric hull.
+//! 2. If a part and its image meet at the plane unmerged, or mergers left far fewer parts, cuts
+//!    elsewhere may need fewer parts. Then also search the whole surface, unless there is a
+//!    deadline. Its parts win if they are fewer. With a maximum number of parts, they win if they
+//!    protrude by less than nine tenths, or if they are more and protrude less; so only lower
+//!    limits are searched.
 
 use super::{
     finish::{COVERED, finished},
@@ -34,43 +33,31 @@ const TIGHTER: f64 = 0.9;
 /// Share of the progress after which the parts of the half surface are found.
 const HALF: f64 = 0.4;
 
-/// The search for the parts of one mesh.
 pub struct SymmetrySearch<'a> {
-    /// The mesh.
     pub mesh: &'a PointSet,
-    /// Its solid.
     pub solid: &'a Solid,
-    /// Its vertices by position.
     pub vertices: &'a SourceVertices<'a>,
-    /// What parts are wanted.
     pub parameters: &'a Cover,
-    /// Maximum number of vertices of a part.
     pub max_vertices: usize,
     /// When the parts must be finished.
     pub deadline: Option<Deadline>,
 }
 
-/// The hulls of parts, and what decides between them.
 struct Parts {
     hulls: Vec<Hull>,
-    /// The greatest protrusion that was proven in the search.
     reached: f64,
     /// Whether parts of the whole surface may be better.
     others_may_win: bool,
 }
 
-/// Which parts may be better than those that are known.
 #[derive(Clone, Copy)]
 enum UsefulParts {
     All,
-    /// At most this number of parts.
     AtMost(usize),
-    /// Parts that protrude by at most this.
     Within(f64),
 }
 
 impl SymmetrySearch<'_> {
-    /// The hulls of the parts; `None` if there are none in time.
     pub fn best(&self, stage: Stage) -> Option<Vec<Hull>> {
         let mirror = self.parameters.symmetry.then(|| symmetry::mirror_of_mesh(self.mesh, self.solid)).flatten();
         let Some(mirror) = mirror else {
@@ -107,8 +94,7 @@ impl SymmetrySearch<'_> {
         Surface::new(self.mesh)
     }
 
-    /// Parts of half the surface, and their images, which are proven to cover the mesh; `None` if
-    /// there are none. They are symmetric, except where no symmetric hull is proven.
+    /// Parts of half the surface, with their images, proven to cover the mesh.
     fn symmetric(&self, mirror: Mirror, stage: Stage) -> Option<Parts> {
         let half = self.surface().halved(mirror, self.solid.diagonal());
         let found = self.parts(&half, UsefulParts::All, stage)?;
@@ -117,7 +103,6 @@ impl SymmetrySearch<'_> {
         uncovered.is_empty().then_some(found)
     }
 
-    /// The parts of a surface, if they are useful.
     fn parts(&self, surface: &Surface, useful: UsefulParts, stage: Stage) -> Option<Parts> {
         let cover = self.parameters;
         let mut levels = Levels::new(surface, self.solid, cover, self.max_vertices, self.deadline, stage);

@@ -18,7 +18,6 @@ use crate::{
     mass::{Mass, mass},
 };
 
-/// A mesh as a point set.
 pub fn point_set(mesh: &Mesh) -> PointSet {
     PointSet {
         name: "mesh".into(),
@@ -48,7 +47,6 @@ fn cross() -> PointSet {
     mesh
 }
 
-/// The result for a smaller error is a candidate for a larger one.
 #[test]
 fn larger_errors_take_fewer_parts() {
     for mesh in [concave::horseshoe(6), concave::pipe(8), concave::l()] {
@@ -71,7 +69,6 @@ fn larger_errors_take_fewer_parts() {
     }
 }
 
-/// Each triangle as four, with the middles of its edges.
 fn divided(mesh: &PointSet) -> PointSet {
     let mut divided = PointSet { triangles: Vec::new(), ..mesh.clone() };
     let mut middles = std::collections::HashMap::new();
@@ -90,7 +87,6 @@ fn divided(mesh: &PointSet) -> PointSet {
     divided
 }
 
-/// The same shape with more triangles takes as many parts.
 #[test]
 fn finer_triangles_take_as_many_parts() {
     for mesh in [concave::l(), concave::horseshoe(6)] {
@@ -136,7 +132,6 @@ fn flat_faces_stay_flat() {
             assert!((0.0..1e-6 * diagonal).contains(&beyond), "{} parts, {sign}: {beyond}", parts.len());
         }
     }
-    // The inner faces, too.
     for mesh in [concave::l(), concave::chair()] {
         let mesh = point_set(&mesh);
         let parts = hulls(&mesh, &cover);
@@ -183,7 +178,6 @@ fn parts_that_cross_are_divided_if_they_may_not_overlap() {
     assert!(loose(&mesh, &apart).overlap < 0.01, "{:?}", loose(&mesh, &apart));
 }
 
-/// A sheet has no inside; its parts have a thickness.
 #[test]
 fn parts_of_a_sheet_have_a_thickness() {
     let positions = vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0], [0.0, 4.0, 4.0]];
@@ -199,7 +193,6 @@ fn parts_of_a_sheet_have_a_thickness() {
     assert!(fits.iter().all(|fit| fit.protrusion <= 0.02 * diagonal && fit.uncovered <= 1e-7 * diagonal), "{fits:?}");
 }
 
-/// Triangles that no part covers are absorbed, or become parts where there may be more.
 #[test]
 fn the_number_of_parts_is_never_exceeded() {
     let mesh = point_set(&concave::l());
@@ -222,7 +215,6 @@ fn the_number_of_parts_is_never_exceeded() {
     }
 }
 
-/// A mesh in no special direction.
 pub fn turned(mesh: &Mesh) -> PointSet {
     let turn = DMat3::from_quat(DQuat::from_xyzw(0.24, 0.08, 0.16, 0.96).normalize());
     let mut mesh = point_set(mesh);
@@ -230,14 +222,12 @@ pub fn turned(mesh: &Mesh) -> PointSet {
     mesh
 }
 
-/// The vertices of each part, sorted.
 fn sorted_vertices(parts: &[PointSet]) -> Vec<Vec<[f32; 3]>> {
     let mut parts: Vec<Vec<[f32; 3]>> = parts.iter().map(|part| part.positions.clone()).collect();
     parts.iter_mut().for_each(|part| part.sort_by(|a, b| a.partial_cmp(b).unwrap()));
     parts
 }
 
-/// Asserts that the parts contain the surface, and protrude by at most `limit`.
 fn assert_fit(mesh: &PointSet, parts: &[PointSet], limit: f64) {
     let hulls: Vec<Hull> = parts.iter().map(|part| hull::build(part).unwrap()).collect();
     for fit in fits(mesh, &hulls.iter().collect::<Vec<_>>(), Some(limit)).unwrap() {
@@ -245,7 +235,6 @@ fn assert_fit(mesh: &PointSet, parts: &[PointSet], limit: f64) {
     }
 }
 
-/// The images are computed here, with no code of the search.
 #[test]
 fn symmetric_meshes_get_mirrored_parts() {
     for (mesh, error) in [(concave::horseshoe(7), 1.0), (concave::open_box(), 1.0)] {
@@ -269,9 +258,8 @@ fn symmetric_meshes_get_mirrored_parts() {
     }
 }
 
-/// Reflections are rounded there, so that parts must contain what rounding moves. They grow by
-/// that, and parts of the whole surface may then be fewer, so that they win: as for the second
-/// mesh.
+/// Rounded reflections make parts grow, and parts of the whole surface may then be fewer and win,
+/// as for the second mesh.
 #[test]
 fn turned_and_moved_meshes_get_mirrored_parts_within_rounding() {
     let turn = DMat3::from_cols_array(&[2.0, 2.0, -1.0, -1.0, 2.0, 2.0, 2.0, -1.0, 2.0]) * (1.0 / 3.0);
@@ -306,8 +294,8 @@ fn turned_and_moved_meshes_get_mirrored_parts_within_rounding() {
     }
 }
 
-/// Regression: levels whose parts could be merged to fewer were given up. So a stair had 9 parts at
-/// 1 %, and 11 at 1.2 %. It consists of six steps and a column, which are convex.
+/// Regression: a stair of six steps and a column had 9 parts at 1 %, and 11 at 1.2 %. Levels were
+/// given up though mergers would have left fewer parts.
 #[test]
 fn a_stair_takes_a_part_for_each_step_and_one_for_the_column() {
     let mesh = point_set(&concave::spiral_stair(6));
@@ -315,15 +303,14 @@ fn a_stair_takes_a_part_for_each_step_and_one_for_the_column() {
     assert_eq!(hulls(&mesh, &cover).len(), 7);
 }
 
-/// Each reading of this clock advances it by one second.
 fn seconds_looked() -> Duration {
     Duration::from_secs(LOOKS.fetch_add(1, Ordering::Relaxed))
 }
 
 static LOOKS: AtomicU64 = AtomicU64::new(0);
 
-/// Wherever the time ends, little work is left, parts are within their limits, and contain the
-/// surface. Work is counted by readings of the clock: every loop that may take long reads it.
+/// Wherever the deadline falls, little work follows, and parts contain the surface within their
+/// limits. Readings of the clock count the work: every loop that may take long reads it.
 fn assert_that_little_is_done_after_the_deadline(meshes: &[(Mesh, bool)]) {
     for (mesh, symmetry) in meshes {
         let mesh = point_set(mesh);

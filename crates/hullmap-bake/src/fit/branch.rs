@@ -15,13 +15,11 @@ use crate::deadline::{Deadline, is_over};
 /// Number of measurements after which the time is compared with a deadline.
 pub const LOOK: usize = 64;
 
-/// When a bound is accurate enough.
-///
-/// Whichever applies first ends the search. The bound holds in each case.
+/// When a bound is accurate enough. The first criterion that applies ends the search; the bound
+/// holds in each case.
 #[derive(Clone, Copy, Debug)]
 pub struct Accuracy {
-    /// A bound of at most this length is accurate enough. The search also ends when a greater value
-    /// has been reached, so that it decides whether the maximum is at most this length.
+    /// A sufficient bound. A greater value also ends the search, since it decides the comparison.
     pub limit: Option<f64>,
     /// A bound of at most this length is accurate enough.
     pub floor: f64,
@@ -100,18 +98,17 @@ impl<C> PartialOrd for Entry<C> {
     }
 }
 
-/// Of equal bounds, the cell measured first is the greater one.
+/// Ties go to the cell measured first.
 impl<C> Ord for Entry<C> {
     fn cmp(&self, other: &Self) -> Ordering {
         self.bound.total_cmp(&other.bound).then(other.index.cmp(&self.index))
     }
 }
 
-/// The maximum over `cells`.
+/// The maximum over `cells`. The result depends only on the arguments.
 ///
 /// `measure` receives a cell and the greatest value reached so far; smaller values need not be
-/// measured precisely. The halves of `split` must cover the cell. The result depends only on the
-/// arguments.
+/// precise. The halves of `split` must cover the cell.
 ///
 /// # Complexity
 /// One measurement per cell and two per split, O(log n) for the queue.
@@ -160,8 +157,6 @@ pub fn maximum<C>(
 mod tests {
     use super::*;
 
-    /// The greatest square of a number from 0 to 1, by intervals. Returns the bound, and the number
-    /// of measurements.
     fn greatest_square(deadline: Option<Deadline>) -> (f64, usize) {
         let measure = |cell: &mut [f64; 2], _: f64| {
             let [low, high] = *cell;

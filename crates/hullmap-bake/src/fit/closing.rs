@@ -1,16 +1,15 @@
 //! Closes the holes of a mesh, so that every point off its surface has an integer winding number.
 //!
 //! # Steps
-//! 1. Count each directed edge of the triangles against its opposite. What remains is the boundary
-//!    of the mesh. It enters every vertex as often as it leaves it.
+//! 1. Count each directed edge of the triangles against its opposite. The rest is the boundary of
+//!    the mesh. It enters every vertex as often as it leaves it.
 //! 2. Split the boundary into loops: follow edges, and cut off a loop whenever a vertex is reached
 //!    again.
 //! 3. Close each loop by a cone over the mean of its vertices.
 //!
-//! The boundary of the triangles and the cones is empty, whatever the triangles are: watertight or
-//! open, consistently oriented or not. A triangle that faces the wrong way leaves a boundary of
-//! double edges, and the cones over it turn it round. [`turn`] avoids that: it turns such triangles
-//! first, so that cones close holes only.
+//! The triangles and the cones have no boundary, even if triangles are not consistently oriented. A
+//! reversed triangle leaves a boundary of double edges, whose cones turn it round; [`turn`] does
+//! this first, so that cones close holes only.
 //!
 //! # Complexity
 //! O(n log n) for n triangles.
@@ -19,11 +18,8 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-/// Triangles that close the mesh of `triangles`, which are indices of `positions`. Empty if the
-/// mesh is closed.
-///
-/// Two vertices are one if their indices are equal: vertices of equal position must have been
-/// merged.
+/// Triangles that close the mesh of `triangles`, which index `positions`. Empty if the mesh is
+/// closed. Vertices of equal position must have been merged: only equal indices are one vertex.
 pub fn cones(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[DVec3; 3]> {
     let mut cones = Vec::new();
     for hole in loops(boundary(triangles)) {
@@ -36,11 +32,9 @@ pub fn cones(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[DVec3; 3]> {
     cones
 }
 
-/// Turns triangles round that face the other way than most others of their surface, and returns
-/// their indices. Changes nothing if no boundary becomes shorter: if the mesh is consistently
-/// oriented, cannot be, or has no triangles with two neighbours. Triangles must be distinct.
-///
-/// Surfaces are connected through edges that exactly two triangles share.
+/// Turns triangles that face the other way than most others of their surface, and returns their
+/// indices. Triangles must be distinct. Surfaces are connected through edges that exactly two
+/// triangles share. Changes nothing unless a boundary becomes shorter.
 pub fn turn(triangles: &mut [[u32; 3]]) -> Vec<usize> {
     let length = |triangles: &[[u32; 3]]| boundary(triangles).values().map(Vec::len).sum::<usize>();
     let before = length(triangles);
@@ -83,8 +77,7 @@ pub fn turn(triangles: &mut [[u32; 3]]) -> Vec<usize> {
     Vec::new()
 }
 
-/// For each edge of each triangle the only other triangle there, and whether it faces the other
-/// way.
+/// The only other triangle at each edge, and whether it faces the other way.
 fn neighbours(triangles: &[[u32; 3]]) -> Vec<[Option<(usize, bool)>; 3]> {
     let mut edges: Vec<([u32; 2], usize, usize, bool)> = Vec::with_capacity(3 * triangles.len());
     for (triangle, &[a, b, c]) in triangles.iter().enumerate() {
@@ -130,7 +123,6 @@ pub fn boundary(triangles: &[[u32; 3]]) -> BTreeMap<u32, Vec<u32>> {
     leaving
 }
 
-/// Loops of a boundary, none of which visits a vertex twice.
 fn loops(mut leaving: BTreeMap<u32, Vec<u32>>) -> Vec<Vec<u32>> {
     let mut loops = Vec::new();
     let mut place: BTreeMap<u32, usize> = BTreeMap::new();
@@ -157,7 +149,6 @@ fn loops(mut leaving: BTreeMap<u32, Vec<u32>>) -> Vec<Vec<u32>> {
     loops
 }
 
-/// Removes the first edge that leaves `from`, and returns where it leads.
 fn take(leaving: &mut BTreeMap<u32, Vec<u32>>, from: u32) -> Option<u32> {
     let targets = leaving.get_mut(&from)?;
     let next = targets.pop();
@@ -174,7 +165,6 @@ mod tests {
     const SQUARE: [[f64; 3]; 5] = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.5, 1.0]];
     const PYRAMID: [[u32; 3]; 6] = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4], [2, 1, 0], [3, 2, 0]];
 
-    /// Six times the volume.
     fn volume(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> f64 {
         triangles.into_iter().map(|[a, b, c]| a.dot(b.cross(c))).sum()
     }
@@ -205,7 +195,6 @@ mod tests {
         }
     }
 
-    /// Found and turned, alone and together; also of an open mesh, where the hole stays.
     #[test]
     fn reversed_triangles_are_found() {
         for (count, reversed) in [(6, &[][..]), (6, &[0]), (6, &[5]), (6, &[1, 4]), (5, &[2]), (4, &[3])] {
@@ -221,7 +210,6 @@ mod tests {
 
     #[test]
     fn loops_that_touch_are_closed_one_by_one() {
-        // Two triangles that share one corner.
         let found = loops(boundary(&[[0, 1, 2], [0, 3, 4]]));
         assert_eq!(found, [vec![0, 1, 2], vec![0, 3, 4]]);
     }

@@ -44,18 +44,13 @@ pub struct Uncovered {
     pub at: DVec3,
 }
 
-/// Pairs of tolerances for the subtraction of parts, relative to the diagonal, in the order in
-/// which they are tried: `[outside, error]`. A point counts as inside a part if it is at most
-/// `outside` above the planes of all faces. What is subtracted is then measured, and accepted if it
-/// is nowhere farther than `error` from the part.
+/// Tolerances `[outside, error]` for the subtraction of parts, relative to the diagonal, in the
+/// order of trial. A point at most `outside` above all face planes counts as inside. A subtracted
+/// piece is accepted if it is nowhere farther than `error` from the part.
 ///
-/// Parts of f32 vertices miss the surface by 1e-8 to 3e-7, in narrow gaps. With a tolerance of 0,
-/// all gaps would be left as pieces that reach from part to part.
-///
-/// The second pair is for triangles on which the first leaves something: beside an acute edge, a
-/// point close to the planes of both faces can be far from the part. There, `outside` is hardly
-/// more than 0, and any error is accepted. The third pair is for wider gaps, which the others
-/// leave.
+/// F32 parts miss the surface by 1e-8 to 3e-7. Without a tolerance, all narrow gaps would be left
+/// as pieces that reach from part to part. The second pair is for acute edges, where a point close
+/// to both planes can be far from the part. The third is for wider gaps.
 const INSIDE: [[f64; 2]; 3] = [[4e-8, 8e-8], [1e-12, f64::INFINITY], [3e-7, 6e-7]];
 
 /// Accuracy of the bound, relative to the diagonal.
@@ -64,11 +59,10 @@ const ACCURACY: f64 = 2e-8;
 /// Number of measurements after which branch and bound splits no more cells.
 const MEASUREMENTS: usize = 100_000;
 
-/// The same where one triangle is decided.
+/// Number of measurements to decide one triangle.
 const OF_A_TRIANGLE: usize = 2_000;
 
-/// Maximum number of pieces of one triangle. Further parts are not subtracted from a triangle that
-/// has more.
+/// Maximum number of pieces of one triangle, after which no more parts are subtracted.
 const MAX_PIECES: usize = 4096;
 
 /// The greatest distance of a point on the triangles of `mesh` from the nearest of `parts`. All are
@@ -77,7 +71,7 @@ pub fn uncovered(mesh: &PointSet, parts: &[&Hull]) -> Uncovered {
     uncovered_until(mesh, parts, None)
 }
 
-/// As [`uncovered()`]. After the deadline, the bound is not improved any more, but it still holds.
+/// As [`uncovered()`]. After the deadline, the bound is not improved, but holds.
 pub fn uncovered_until(mesh: &PointSet, parts: &[&Hull], deadline: Option<Deadline>) -> Uncovered {
     let positions: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
     let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
@@ -107,8 +101,8 @@ pub fn uncovered_until(mesh: &PointSet, parts: &[&Hull], deadline: Option<Deadli
     Uncovered { bound: bound.max(subtracted), reached, at }
 }
 
-/// Indices of the triangles that are not proven to lie within `limit` of the parts, ascending.
-/// After the deadline, no more are looked at.
+/// Ascending indices of the triangles that are not proven to lie within `limit` of the parts. Stops
+/// at the deadline.
 ///
 /// # Complexity
 /// The cost of [`uncovered()`], with up to 2,000 cells for each triangle.
@@ -133,7 +127,6 @@ pub fn uncovered_triangles(mesh: &PointSet, parts: &[&Hull], limit: f64, deadlin
     (0..found.len()).filter(|index| found[*index]).collect()
 }
 
-/// Parts, and the tree of their boxes.
 struct Parts {
     all: Vec<Part>,
     tree: TriangleTree,
@@ -145,7 +138,6 @@ impl Parts {
         Self { tree: TriangleTree::of_boxes(bounds), all: hulls.iter().map(|hull| Part::new(hull)).collect() }
     }
 
-    /// The solid parts whose boxes touch a box, in their order.
     fn solids_near(&self, bounds: &Bounds) -> Vec<&Part> {
         let mut near = Vec::new();
         self.tree.for_each(|part| part.touches(bounds), |part| near.push(part));
@@ -161,7 +153,6 @@ impl Parts {
     }
 }
 
-/// A part, prepared.
 struct Part {
     nearest: Nearest,
     planes: Vec<HalfSpace>,
@@ -183,7 +174,6 @@ impl Part {
         foot.point.distance(p)
     }
 
-    /// Greatest distance of a corner.
     fn farthest(&self, corners: &[DVec3]) -> f64 {
         let mut start = 0;
         corners.iter().map(|p| self.distance(*p, &mut start)).fold(0.0, f64::max)
@@ -219,7 +209,6 @@ fn left_over(corners: &Triangle, parts: &Parts, diagonal: f64) -> (Vec<Triangle>
     left.unwrap_or_else(|| (vec![*corners], 0.0))
 }
 
-/// Subtracts parts from a triangle. Points within `tolerance` of a part count as inside.
 fn subtract(corners: &Triangle, parts: &[&Part], tolerance: f64) -> (Vec<Triangle>, f64) {
     let mut pieces = vec![corners.to_vec()];
     let mut subtracted = 0.0_f64;

@@ -1,5 +1,4 @@
-//! Proves how well parts fit their mesh: the bounds on uncovered surface and protrusion that a pack
-//! records.
+//! Proves how well parts fit their mesh: a pack's bounds on uncovered surface and protrusion.
 
 use hullmap_format::SolidKind;
 use rayon::prelude::*;
@@ -7,20 +6,17 @@ use rayon::prelude::*;
 use super::{Accuracy, Solid, coverage::uncovered_until, protrusion};
 use crate::{PointSet, deadline::Deadline, hull::Hull};
 
-/// How a convex part fits the mesh that it stands for, as proven bounds. Lengths are in the unit of
-/// the positions.
+/// Proven bounds on how a convex part fits its mesh, in the unit of the positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
     /// How the solid of the mesh was determined.
     pub solid: SolidKind,
-    /// Upper bound on how far a point of the mesh's surface lies outside all of its parts; the same
-    /// for all parts of the mesh.
+    /// Upper bound on how far the mesh's surface lies outside all parts; the same for each part.
     pub uncovered: f64,
     /// Upper bound on how far a point of this part lies outside the mesh's solid: see
     /// [`protrusion`](super::protrusion()).
     pub protrusion: f64,
-    /// The point of this part at which the greatest protrusion was found, in the frame of the
-    /// positions.
+    /// The point of the greatest protrusion found, in the frame of the positions.
     pub protrusion_at: [f64; 3],
 }
 
@@ -28,22 +24,6 @@ pub struct Fit {
 /// triangles, there are no parts, or a bound is not finite: then nothing is known.
 ///
 /// If a bound on the protrusion exceeds `limit`, a further search tries to prove `limit` itself.
-///
-/// ```
-/// use hullmap_bake::{PointSet, SolidKind, fit::fits, hull};
-///
-/// let tetrahedron = PointSet {
-///     positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-///     source_vertices: vec![0, 1, 2, 3],
-///     triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
-///     ..PointSet::default()
-/// };
-/// let hull = hull::build(&tetrahedron)?;
-/// let fit = fits(&tetrahedron, &[&hull], None).unwrap()[0];
-/// assert_eq!(fit.solid, SolidKind::Watertight);
-/// assert!(fit.uncovered < 1e-9 && fit.protrusion < 1e-9 && fit.protrusion_at == [0.0; 3]);
-/// # Ok::<(), hullmap_bake::BakeError>(())
-/// ```
 ///
 /// # Complexity
 /// The cost of [`uncovered`](super::uncovered()), plus the cost of
@@ -55,11 +35,8 @@ pub fn fits(mesh: &PointSet, parts: &[&Hull], limit: Option<f64>) -> Option<Vec<
     fits_around(&Solid::new(mesh), mesh, parts, limit, None)
 }
 
-/// As [`fits`], of parts around the solid of `mesh`, which has triangles. After the deadline,
-/// bounds are not improved any more, but they still hold.
-///
-/// # Complexity
-/// The cost of [`fits`], without the solid.
+/// As [`fits`], around the solid of `mesh`, which has triangles. After the deadline, bounds are not
+/// improved, but hold.
 pub fn fits_around(
     solid: &Solid,
     mesh: &PointSet,

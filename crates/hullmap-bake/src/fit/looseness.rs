@@ -24,9 +24,8 @@ pub struct Looseness {
     /// Twice the maximum standard deviation of `overlap`, if the points are random. The points of
     /// the fixed sequence are spread more evenly.
     pub overlap_error: f64,
-    /// Mean distance of the visible surface from the solid. A part's surface is visible where no
-    /// other part contains it, or is within 1e-4 of the diagonal in front of it: faces between
-    /// parts are not visible. The error is about 2 %.
+    /// Mean distance of the visible surface from the solid, accurate to about 2 %. A part's surface
+    /// is invisible in another part, and at most 1e-4 of the diagonal behind one, as between parts.
     pub mean_protrusion: f64,
     /// The greatest distance of a part from the mesh's convex hull, exact except for rounding.
     pub outside_hull: f64,
@@ -39,8 +38,7 @@ const POINTS: usize = 20_000;
 /// leaves gaps of up to a fifth of this between its parts.
 const HIDDEN: f64 = 1e-4;
 
-/// Estimates how loose `parts` are around `solid`, whose convex hull is `hull`. All are in the same
-/// frame.
+/// Estimates how loose `parts` are around `solid`, whose convex hull is `hull`, in one frame.
 ///
 /// # Complexity
 /// 40,000 points, or 32 for each of more than 1,250 parts. Each is compared with the planes of the
@@ -51,9 +49,6 @@ pub fn looseness(solid: &Solid, hull: &Hull, parts: &[&Hull]) -> Looseness {
 
 /// As [`looseness`], and the mean protrusion of each part's own visible surface; `None` for a part
 /// that is not a solid, or has no visible surface.
-///
-/// # Complexity
-/// The same as for [`looseness`].
 pub fn looseness_of_parts(solid: &Solid, hull: &Hull, parts: &[&Hull]) -> (Looseness, Vec<Option<f64>>) {
     let count = parts.len();
     let is_solid = |index: &usize| parts[*index].rank == 3;
@@ -80,10 +75,8 @@ pub fn looseness_of_parts(solid: &Solid, hull: &Hull, parts: &[&Hull]) -> (Loose
     (found, means)
 }
 
-/// [`Looseness::overlap`] of parts whose mesh need not be known, and its error.
-///
-/// # Complexity
-/// Half the points of [`looseness`], each compared with the planes of the parts near it.
+/// [`Looseness::overlap`] of parts without their mesh, and its error, from half the points of
+/// [`looseness`].
 pub fn overlap(parts: &[&Hull]) -> (f64, f64) {
     overlap_of(&Parts::new(parts.iter().copied().filter(|part| part.rank == 3)))
 }
@@ -100,7 +93,6 @@ fn overlap_of(parts: &Parts) -> (f64, f64) {
     }
 }
 
-/// Solid parts, and the tree of their boxes.
 struct Parts {
     all: Vec<Part>,
     tree: TriangleTree,
@@ -144,13 +136,11 @@ impl Part {
     }
 }
 
-/// Number of points for a part with this share of the whole.
 fn count(share: f64) -> usize {
     ((POINTS as f64 * share).ceil() as usize).max(16)
 }
 
-/// A part's contribution to the volume of the union, and the variance of that if points were
-/// random.
+/// A part's contribution to the union's volume, and its variance for random points.
 fn share(parts: &Parts, index: usize, volume: f64) -> [f64; 2] {
     let part = &parts.all[index];
     let origin = part.points[0];
@@ -170,9 +160,8 @@ fn share(parts: &Parts, index: usize, volume: f64) -> [f64; 2] {
     [shared * part.volume / count, variance * (part.volume / count).powi(2)]
 }
 
-/// A part's contribution to the integral of the distance over the visible surface, and to the area
-/// of that. A point is visible if no other part contains the point that is a `step` farther
-/// outward.
+/// A part's contributions to the visible area and to the integral of the distance over it. A point
+/// is visible if no other part contains the point a `step` farther outward.
 fn visible(solid: &Solid, parts: &Parts, index: usize, area: f64, step: f64) -> [f64; 2] {
     let part = &parts.all[index];
     let triangle_area = |[a, b, c]: &Triangle| (*b - *a).cross(*c - *a).length();
@@ -191,10 +180,8 @@ fn visible(solid: &Solid, parts: &Parts, index: usize, area: f64, step: f64) -> 
     [distance * of_point, visible * of_point]
 }
 
-/// Evenly spread choices among weighted triangles.
 struct Spread<'a> {
     triangles: &'a [Triangle],
-    /// For each triangle, the weight of all up to it.
     sums: Vec<f64>,
     count: usize,
 }
@@ -208,7 +195,6 @@ impl<'a> Spread<'a> {
         Self { triangles, sums: sums.collect(), count }
     }
 
-    /// The chosen triangles, and three numbers from 0 to 1 for each.
     fn points(&self) -> impl Iterator<Item = (Triangle, [f64; 3])> {
         let total = self.sums.last().copied().unwrap_or(0.0);
         (0..self.count).filter_map(move |k| {
@@ -246,13 +232,11 @@ mod tests {
         }
     }
 
-    /// Beside values that follow from the geometry of boxes.
     #[test]
     fn boxes_have_known_overlap_and_protrusion() {
         let mesh = letter_l();
         let (solid, whole) = (Solid::new(&mesh), hull::build(&mesh).unwrap());
         let [low, high] = solid.bounds().map(|p| p.as_vec3());
-        // The box around the mesh twice, and once more beside it.
         let around = block(low.to_array(), high.to_array());
         let twice = looseness(&solid, &whole, &[&around, &around]);
         assert!((twice.overlap - 1.0).abs() < 1e-9 && twice.overlap_error < 1e-3, "{twice:?}");
@@ -285,7 +269,6 @@ mod tests {
         assert!((found - sum / weight).abs() < 0.02 * found, "{found} {}", sum / weight);
     }
 
-    /// A box that is divided has the surface of the box, whether its halves meet or overlap.
     #[test]
     fn faces_between_parts_are_not_visible() {
         let mesh = letter_l();
@@ -298,7 +281,7 @@ mod tests {
             let left = block(low, [middle + reach, high[1], high[2]]);
             let right = block([middle - reach, low[1], low[2]], high);
             let divided = mean(&[&left, &right]);
-            // What overlaps in the planes of the box's sides counts twice.
+            // The overlap in the planes of the box's sides counts twice.
             let error = if reach > 0.0 { 0.1 } else { 0.03 };
             assert!((divided - undivided).abs() < error * undivided, "{divided} {undivided}, reach {reach}");
         }

@@ -37,8 +37,7 @@ use crate::{
     spread::spread,
 };
 
-/// Cells along each edge of the mesh's box, when overlaps are looked for. In one point of each, the
-/// winding number is compared with 0 and 1. Smaller overlaps than a cell may be missed.
+/// Grid cells along each edge of the mesh's box to find overlaps: smaller ones may be missed.
 const SEARCHED_CELLS: usize = 16;
 
 /// Cells along each edge of the mesh's box, when overlaps are measured.
@@ -47,23 +46,8 @@ const MEASURED_CELLS: usize = 32;
 /// Mass properties of the solid that `mesh` bounds, in the frame of its positions. `None` if the
 /// mesh has no triangles, is open or inconsistently oriented, or encloses next to no volume.
 ///
-/// The positions must be finite. Where parts of the surface overlap, the error is about a
-/// hundredth of the overlap; elsewhere it is rounding error.
-///
-/// ```
-/// use hullmap_bake::{PointSet, fit::mesh_mass};
-///
-/// let mut tetrahedron = PointSet {
-///     positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-///     source_vertices: vec![0, 1, 2, 3],
-///     triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
-///     ..PointSet::default()
-/// };
-/// let mass = mesh_mass(&tetrahedron).expect("the mesh is closed");
-/// assert!((mass.volume - 1.0 / 6.0).abs() < 1e-15);
-/// tetrahedron.triangles.pop();
-/// assert_eq!(mesh_mass(&tetrahedron), None);
-/// ```
+/// The positions must be finite. Where parts of the surface overlap, the error is about a hundredth
+/// of the overlap; elsewhere it is rounding error.
 ///
 /// # Complexity
 /// O((n + p) log n) for n triangles and p points, on all threads of the pool; p is constant.
@@ -129,8 +113,7 @@ fn closed(mesh: &PointSet) -> Option<Vec<Triangle>> {
     Some(net.iter().map(|t| t.map(|v| positions[v as usize])).collect())
 }
 
-/// Merges triangles of the same corners into one, with the orientation of most of them. If both
-/// orientations are equally frequent, none is left.
+/// Merges triangles of the same corners into one, oriented as most of them; none in a tie.
 fn net(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let mut keys: Vec<([u32; 3], i32)> = Vec::with_capacity(triangles.len());
     for &[a, b, c] in triangles {
@@ -157,7 +140,7 @@ fn net(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     .collect()
 }
 
-/// What the integral of the winding number exceeds the integral over the solid by, about `origin`.
+/// The integral of the winding number minus the integral over the solid, about `origin`.
 fn excess(surface: &ClosedSurface, sign: i32, origin: DVec3) -> Simplices {
     let mut sum = Simplices::ZERO;
     if surplus(surface, sign, SEARCHED_CELLS).is_empty() {
@@ -187,8 +170,7 @@ fn surplus(surface: &ClosedSurface, sign: i32, cells: usize) -> Vec<(DVec3, i32)
     (0..cells * cells * cells).into_par_iter().map(at).filter(|(_, surplus)| *surplus != 0).collect()
 }
 
-/// Sums whose rounding errors are added, too. Terms of opposite signs cancel, since tetrahedra of
-/// faces that point towards the origin count negatively.
+/// Compensated sums: tetrahedra of faces towards the origin count negatively, and cancel others.
 #[derive(Default)]
 struct Compensated {
     sum: [f64; 10],

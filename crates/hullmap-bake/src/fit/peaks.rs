@@ -1,12 +1,11 @@
-//! Local maxima of the distance from a solid: in its cavities, holes and grooves. Where a box has
-//! none, the distance is greatest elsewhere.
+//! Local maxima of the distance from a solid: in its cavities, holes and grooves.
 //!
 //! # Why a box has none
 //! The triangles nearest to any point of a box are within the distance of its centre plus twice its
 //! radius.
-//! - At a local maximum, no plane separates a point from all points of the solid that are nearest
-//!   to it: away from the plane, the distance would grow. So a box has none if a plane has it on
-//!   one side and all such triangles on the other.
+//! - At a local maximum, no plane separates a point from all nearest points of the solid: away from
+//!   the plane, the distance would grow. So a box has none if a plane separates it from all such
+//!   triangles.
 //! - Along the surface, a box may reach into the solid. Let all triangles near it have heights
 //!   between `low` and `high` along some normal, and let what is below `low` be inside. A point of
 //!   the box above `high` is separated from the triangles. Any other is above the inside by at most
@@ -25,11 +24,11 @@ use crate::deadline::{Deadline, is_over};
 /// Number of planes that are tried between a box and what is near.
 const TURNS: usize = 4;
 
-/// Radius of the boxes in which peaks are sought, relative to their least distance.
+/// Radius of the boxes that are searched for peaks, relative to their least distance.
 const SMALLEST: f64 = 0.25;
 
-/// Number of boxes above which they are of no use, relative to the allowed measurements: each box
-/// is measured for each part.
+/// Maximum number of boxes, relative to the allowed measurements: each box is measured for each
+/// part.
 const MAX_BOXES: f64 = 1.0 / 64.0;
 
 /// Distance above a surface that is safely beside it, relative to the error of distances.
@@ -101,8 +100,8 @@ pub fn is_none_in_box(solid: &Solid, centre: DVec3, half: DVec3, near: &Near, ab
     is_separated(solid, centre, half, near) || is_along_surface(solid, centre, half, near, above)
 }
 
-/// Whether a plane separates a box from all triangles that are nearest to any of its points. It is
-/// sought like the plane of a perceptron: each triangle in the way turns it.
+/// Whether a plane separates a box from all triangles nearest to any of its points. As for a
+/// perceptron, each triangle in the way turns the plane.
 fn is_separated(solid: &Solid, centre: DVec3, half: DVec3, near: &Near) -> bool {
     let slack = solid.tolerance();
     let radius = near.distance + 2.0 * half.length() + slack;
@@ -121,8 +120,8 @@ fn is_separated(solid: &Solid, centre: DVec3, half: DVec3, near: &Near) -> bool 
     false
 }
 
-/// Whether all triangles near a box are about as high along the normal of the nearest one, and what
-/// is below them is inside.
+/// Whether all triangles near a box are about as high along the normal of the nearest one, above
+/// the inside.
 fn is_along_surface(solid: &Solid, centre: DVec3, half: DVec3, near: &Near, above: f64) -> bool {
     let [a, b, c] = near.triangle;
     let Some(normal) = (b - a).cross(c - a).try_normalize() else { return false };

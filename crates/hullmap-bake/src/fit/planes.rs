@@ -45,15 +45,13 @@ pub fn of_face(corners: &[DVec3], points: &[DVec3]) -> Option<(HalfSpace, f64)> 
         products += a.length() * b.length();
     }
     let normal = area.try_normalize()?;
-    // The normal of a sliver is rounding error. A plane that touches the hull from outside is right
-    // all the same.
+    // The normal of a sliver is rounding error, but any plane that touches the hull is valid.
     let touched = if area.length() < SLIVER * products { points } else { corners };
     let offset = touched.iter().map(|p| normal.dot(*p)).fold(f64::NEG_INFINITY, f64::max);
     Some((HalfSpace { normal, offset }, 0.5 * area.length()))
 }
 
-/// One half-space per face of a solid hull, each containing the whole face. Faces without area are
-/// left out.
+/// One half-space per face of a solid hull with area, each containing the whole face.
 pub fn half_spaces(hull: &Hull) -> Vec<HalfSpace> {
     let positions = hull.positions();
     let of_face = |face: &Vec<u32>| {
@@ -74,11 +72,8 @@ pub fn around(polygon: &[DVec3], normal: DVec3) -> Vec<HalfSpace> {
     polygon.iter().enumerate().filter_map(edge).collect()
 }
 
-/// The parts of a convex polygon on either side of a plane: inside, then outside. Either may be
-/// empty.
-///
-/// Corners within `tolerance` of the plane count as on it, and a polygon without corners outside as
-/// inside.
+/// The parts of a convex polygon inside and outside of a plane; either may be empty. Corners within
+/// `tolerance` count as on the plane.
 pub fn cut(polygon: &[DVec3], plane: &HalfSpace, tolerance: f64) -> [Vec<DVec3>; 2] {
     let heights: Vec<f64> = polygon.iter().map(|p| plane.height(*p)).collect();
     if heights.iter().all(|height| *height <= tolerance) {
@@ -126,8 +121,7 @@ pub fn divide(polygon: &[DVec3], planes: &[HalfSpace], tolerance: f64) -> (Vec<D
     (inside, outside)
 }
 
-/// Triangles that cover a convex polygon. A polygon of fewer than three corners becomes a
-/// degenerate triangle.
+/// Triangles that cover a convex polygon; fewer than three corners give a degenerate triangle.
 pub fn fan(polygon: &[DVec3]) -> Vec<[DVec3; 3]> {
     match *polygon {
         [] => Vec::new(),
@@ -149,7 +143,6 @@ mod tests {
         fan(polygon).iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).length() / 2.0).sum()
     }
 
-    /// The half-spaces of an axis-aligned square prism.
     fn prism(low: f64, high: f64) -> Vec<HalfSpace> {
         [DVec3::X, DVec3::Y]
             .into_iter()

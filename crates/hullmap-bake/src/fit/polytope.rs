@@ -46,8 +46,7 @@ impl Polytope {
         self.corners().map(|p| plane.height(p)).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// What is on either side of a plane: inside, then outside. Corners within `tolerance` of the
-    /// plane count as on it.
+    /// The parts inside and outside of a plane. Corners within `tolerance` count as on it.
     pub fn cut(&self, plane: &HalfSpace, tolerance: f64) -> [Option<Self>; 2] {
         if self.height(plane) <= tolerance {
             return [Some(self.clone()), None];
@@ -105,7 +104,6 @@ mod tests {
         HalfSpace { normal, offset: 0.7 * component() }
     }
 
-    /// Both sides of a cut have the volume of the whole, and their middles are on their sides.
     #[test]
     fn sides_make_up_the_whole() {
         let mut rng = SplitMix64::new(31);
@@ -133,7 +131,6 @@ mod tests {
         assert!(cuts > 5_000, "{cuts}");
     }
 
-    /// A box without a smaller one in it.
     #[test]
     fn what_is_beyond_a_box_has_the_rest_of_the_volume() {
         let (low, high) = (DVec3::new(-0.5, -0.25, -0.125), DVec3::new(0.25, 0.5, 0.75));

@@ -3,23 +3,21 @@
 //! # Steps
 //! 1. Subtract from each face the triangles of the mesh that lie in its plane.
 //! 2. Surface: branch and bound over triangles of what is left. A triangle is bounded by the
-//!    distance of its centroid plus its radius; by 0 if no triangle of the mesh is within the
-//!    radius and the centroid is inside, or if all points beside the mesh's triangles that cross it
-//!    are ([`sides`](super::sides)); and by the distances of its corners from one triangle of the
-//!    mesh.
-//! 3. Inside: a part may also hide a cavity of the mesh. Points of the part that are close to its
-//!    surface are bounded by step 2. Branch and bound over boxes covers the others. A box that no
-//!    triangle of the mesh enters is all inside or all outside. A box that some enter is inside if
-//!    all points beside these are.
+//!    distance of its centroid plus its radius; by 0 if it is inside, which needs an inside
+//!    centroid and either no triangle of the mesh within the radius, or only points inside beside
+//!    those that cross it ([`sides`](super::sides)); and by the distances of its corners from one
+//!    triangle of the mesh.
+//! 3. Inside: a part may also hide a cavity of the mesh. Step 2 bounds points close to the part's
+//!    surface. Branch and bound over boxes covers the others. A box is all inside or all outside if
+//!    no triangle of the mesh enters it, and inside if all points beside those that enter it are.
 //!
 //! # Why the bounds hold
 //! - The distance from a set changes by at most the distance between two points.
 //! - The distance from a convex set, such as one triangle, is a convex function, so it is greatest
 //!   at a corner. The distance from the solid is at most that.
 //! - The winding number is constant between the triangles.
-//! - Where a point inside is farther from the solid than all points of the part's surface, the
-//!   distance has a local maximum inside. Boxes that are proven to contain none are left out
-//!   ([`peaks`]).
+//! - If a point inside is farther from the solid than the part's whole surface, the distance has a
+//!   local maximum inside. Boxes proven to contain none are left out ([`peaks`]).
 //!
 //! # Complexity
 //! One nearest-triangle search per cell. The number of cells is bounded by the [`Accuracy`].
@@ -58,7 +56,7 @@ const CAVITY_ACCURACY: f64 = 0.4;
 /// Depth by which a cavity must exceed the protrusion of the surface, relative to the diagonal.
 const CAVITY_ABSOLUTE: f64 = 1e-3;
 
-/// The same where a limit is given.
+/// Relative depth if a limit is given.
 const CAVITY_LIMITED: f64 = 1e-6;
 
 /// Distance from a face's plane up to which a triangle of the mesh counts as in it, relative to the
@@ -80,27 +78,24 @@ const BESIDE_EDGES: f64 = 0.28;
 /// Maximum number of triangles of the mesh that are tested against a facet.
 const MAX_TESTED: usize = 64;
 
-/// Maximum number of pieces into which a face is divided.
 const MAX_PIECES: usize = 4096;
 
 /// Number of failures less successes, in one search, after which facets are no longer cut into
 /// pieces. Where many shells cross within a facet of any size, each attempt fails.
 const MAX_FAILURES: usize = 2048;
 
-/// Number of steps in which a point deep inside a box is sought.
 const DEEP_STEPS: usize = 16;
 
 /// The greatest distance of a point of `part` from `solid`. Both are in the same frame.
 ///
-/// Points inside the part count only where they are in a cavity: farther from the solid than any
-/// point of the part's surface by more than a tenth and a thousandth of the diagonal. If the
-/// accuracy has a limit, a bound within the limit holds for all points of the part, except for 1e-6
-/// of the diagonal.
+/// Points inside the part count only in cavities that are farther from the solid than the part's
+/// surface, by more than a tenth and a thousandth of the diagonal. Under a limit, the bound holds
+/// for all points of the part, except for 1e-6 of the diagonal.
 pub fn protrusion(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Protrusion {
     protrusion_beside(solid, part, accuracy, None)
 }
 
-/// The same as [`protrusion()`], given where the distance from the solid has local maxima.
+/// As [`protrusion()`], with known local maxima of the distance from the solid.
 pub fn protrusion_beside(solid: &Solid, part: &Hull, accuracy: &Accuracy, peaks: Option<&Peaks>) -> Protrusion {
     let surface = on_surface(solid, part, accuracy);
     let is_refuted = accuracy.limit.is_some_and(|limit| surface.bound > limit);
@@ -113,7 +108,6 @@ pub fn protrusion_beside(solid: &Solid, part: &Hull, accuracy: &Accuracy, peaks:
 struct Facet {
     corners: Triangle,
     within: f64,
-    /// A triangle of the mesh that is near the facet of which this is a half.
     hint: Option<Triangle>,
 }
 
@@ -166,9 +160,8 @@ fn on_surface(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Maximum {
     Maximum { bound: found.bound.max(on_mesh), ..found }
 }
 
-/// Upper bound of at most `enough` on the distance of a facet from the solid, if the part of it
-/// outside the solid is that close to triangles of the mesh. `None` if it is not, or if that is
-/// unknown.
+/// Upper bound, at most `enough`, on the distance of a facet whose part outside the solid is that
+/// close to triangles of the mesh. `None` if not, or unknown.
 fn in_pieces(solid: &Solid, corners: &Triangle, enough: f64) -> Option<f64> {
     let low = corners[0].min(corners[1]).min(corners[2]) - enough;
     let high = corners[0].max(corners[1]).max(corners[2]) + enough;
@@ -203,8 +196,7 @@ fn in_pieces(solid: &Solid, corners: &Triangle, enough: f64) -> Option<f64> {
     pieces.iter().all(is_inside).then_some(bound + solid.tolerance())
 }
 
-/// Half-spaces around a triangle. Their common points are within `distance` of it, unless it is
-/// very thin.
+/// Half-spaces whose common points are within `distance` of a triangle, unless it is very thin.
 fn planes_around(triangle: &Triangle, distance: f64) -> Vec<HalfSpace> {
     let Some(Polygon { plane, .. }) = Polygon::new(triangle) else {
         return vec![HalfSpace { normal: DVec3::X, offset: f64::NEG_INFINITY }];
@@ -223,14 +215,14 @@ fn planes_around(triangle: &Triangle, distance: f64) -> Vec<HalfSpace> {
     slab.into_iter().chain(beside.map(|plane| plane.moved(BESIDE_EDGES * distance))).collect()
 }
 
-/// Whether a facet is inside, except for a rim whose width is `rim` times the facet's radius. Its
-/// centroid must be. `false` may mean unknown.
+/// Whether a facet with an inside centroid is inside, except for a rim of `rim` times its radius.
+/// `false` may mean unknown.
 fn is_inside_within(solid: &Solid, corners: &Triangle, rim: f64) -> bool {
     let centre = triangle::centroid(corners);
     is_inside_around(solid, &corners.map(|corner| corner + (centre - corner) * rim), centre)
 }
 
-/// Whether a convex polygon is inside, given that its point `centre` is. `false` may mean unknown.
+/// Whether a convex polygon around the inside point `centre` is inside. `false` may mean unknown.
 fn is_inside_around(solid: &Solid, polygon: &[DVec3], centre: DVec3) -> bool {
     let thickness = solid.tolerance();
     let area: DVec3 = polygon.windows(2).map(|edge| (edge[0] - polygon[0]).cross(edge[1] - polygon[0])).sum();
@@ -252,8 +244,7 @@ fn is_inside_around(solid: &Solid, polygon: &[DVec3], centre: DVec3) -> bool {
     polygons.is_empty() || are_sides_inside(solid.surface(), &polygons)
 }
 
-/// Triangles that cover the part's surface, except for what lies on the mesh, and the greatest
-/// distance of the latter from the mesh.
+/// Triangles that cover the part's surface off the mesh, and the greatest distance of the rest.
 fn facets(solid: &Solid, part: &Hull) -> (Vec<Facet>, f64) {
     let positions = part.positions();
     let tolerance = BESIDE * solid.diagonal();
@@ -293,7 +284,6 @@ fn facets(solid: &Solid, part: &Hull) -> (Vec<Facet>, f64) {
     (facets, on_mesh)
 }
 
-/// The triangles of the mesh in the plane of a face that touch the box around it.
 fn in_plane(solid: &Solid, face: &[DVec3]) -> Vec<Triangle> {
     let area: DVec3 = face.windows(2).map(|edge| (edge[0] - face[0]).cross(edge[1] - face[0])).sum();
     let Some(normal) = area.try_normalize() else { return Vec::new() };
@@ -306,8 +296,7 @@ fn in_plane(solid: &Solid, face: &[DVec3]) -> Vec<Triangle> {
     triangles.filter(|corners| corners.iter().all(|p| normal.dot(*p - face[0]).abs() <= margin)).collect()
 }
 
-/// Half-spaces at the edges of a triangle, at right angles to it. None contains anything if it has
-/// no area.
+/// Half-spaces at the edges of a triangle, at right angles to it; empty ones without area.
 fn edge_planes(triangle: &Triangle) -> Vec<HalfSpace> {
     let [a, b, c] = *triangle;
     let planes = planes::around(triangle, (b - a).cross(c - a));
@@ -322,11 +311,9 @@ struct Cell {
     /// Indices of polygons; the halves of a box have subsets of its polygons.
     deep: Vec<u32>,
     within: f64,
-    /// A triangle of the mesh that is near the box of which this is a half.
     hint: Option<Triangle>,
 }
 
-/// Step 3: the maximum over the part's surface, and over its cavities where they are deeper.
 fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum, peaks: Option<&Peaks>) -> Maximum {
     let diagonal = solid.diagonal();
     let enough = match accuracy.limit {
@@ -371,7 +358,6 @@ fn peak_boxes(peaks: Option<&Peaks>, [low, high]: [DVec3; 2], enough: f64) -> Ve
     }
 }
 
-/// The accuracy to which cavities are measured.
 fn cavity_accuracy(accuracy: &Accuracy, enough: f64, diagonal: f64) -> Accuracy {
     match accuracy.limit {
         Some(_) => Accuracy { limit: Some(enough), ..*accuracy },
@@ -383,7 +369,6 @@ fn cavity_accuracy(accuracy: &Accuracy, enough: f64, diagonal: f64) -> Accuracy 
     }
 }
 
-/// The halves of a cell, across its longest side.
 fn halves(cell: &Cell) -> [Cell; 2] {
     let axis = (0..3).fold(0, |longest, axis| if cell.half[axis] > cell.half[longest] { axis } else { longest });
     let mut half = cell.half;
@@ -395,16 +380,13 @@ fn halves(cell: &Cell) -> [Cell; 2] {
     })
 }
 
-/// Search for cavities of a solid inside a part.
 struct CavitySearch<'a> {
     solid: &'a Solid,
-    /// The maximum over the part's surface.
     surface: &'a Maximum,
     /// Distance from the solid up to which nothing is a cavity.
     enough: f64,
     /// Depth inside the part up to which the surface bounds the distance by `enough`.
     depth: f64,
-    /// Half-spaces whose intersection is the part.
     planes: Vec<HalfSpace>,
     /// Polygons of the mesh that lie deeper than `depth`, and the boxes around them.
     deep: Vec<(Polygon, [DVec3; 2])>,
@@ -421,11 +403,9 @@ impl CavitySearch<'_> {
         }
     }
 
-    /// Bounds the distance of the cell's points from the solid.
     fn measure(&self, cell: &mut Cell) -> Measured {
         let nothing = Measured { bound: 0.0, reached: 0.0, at: cell.centre };
         let Some([below, centre_depth]) = self.depths(cell) else { return nothing };
-        // Close to the surface of the part.
         let from_surface = self.surface.bound + below;
         if from_surface <= self.enough {
             return Measured { bound: from_surface, ..nothing };
@@ -458,8 +438,7 @@ impl CavitySearch<'_> {
         Measured { bound, reached, at: centre }
     }
 
-    /// Maximum depth of a point of the cell inside the part, and the depth of its centre; `None`
-    /// if the cell is outside.
+    /// Maximum depth of a point of the cell inside the part, and its centre's; `None` outside.
     fn depths(&self, cell: &Cell) -> Option<[f64; 2]> {
         let mut below = f64::INFINITY;
         let mut centre_depth = f64::INFINITY;
@@ -496,18 +475,14 @@ impl CavitySearch<'_> {
 
 /// The part of a cell that is deeper than some depth inside all planes.
 enum DeepPart {
-    /// Nothing.
     Empty,
-    /// This point, and maybe more.
     Point(DVec3),
-    /// Not known.
     Unknown,
 }
 
-/// The part of the cell that is deeper than `depth`, sought by projecting onto one violated plane
-/// after another. If there is none, the steps balance each other: the mean of these planes,
-/// weighted by the steps, then has no point of the cell at that depth. A point that is deep for all
-/// planes would be deep for their mean.
+/// Searches for a point deeper than `depth` by projection onto violated planes in turn. If there is
+/// none, the steps balance: the mean of these planes, weighted by them, has no point of the cell at
+/// that depth, but a point deep for all planes would be deep for it.
 fn deep_part(cell: &Cell, planes: &[HalfSpace], depth: f64) -> DeepPart {
     let mut p = cell.centre;
     let (mut normal, mut offset, mut weight) = (DVec3::ZERO, 0.0, 0.0);
@@ -530,8 +505,7 @@ fn deep_part(cell: &Cell, planes: &[HalfSpace], depth: f64) -> DeepPart {
     DeepPart::Unknown
 }
 
-/// The polygons of the mesh that lie deeper than `depth` inside the part, which has the given
-/// bounds, and the boxes around them.
+/// Polygons of the mesh deeper than `depth` inside the part, and their boxes.
 fn deep_polygons(
     solid: &Solid,
     planes: &[HalfSpace],
@@ -550,7 +524,6 @@ fn deep_polygons(
     indices.iter().filter_map(clipped).collect()
 }
 
-/// The half-spaces whose intersection is a box.
 fn box_sides(centre: DVec3, half: DVec3) -> [HalfSpace; 6] {
     let axes = DVec3::AXES;
     std::array::from_fn(|side| {
@@ -559,7 +532,6 @@ fn box_sides(centre: DVec3, half: DVec3) -> [HalfSpace; 6] {
     })
 }
 
-/// Whether a box touches a cell.
 fn touches([low, high]: [DVec3; 2], centre: DVec3, half: DVec3) -> bool {
     (low - centre - half).max(centre - half - high).max_element() <= 0.0
 }

@@ -55,7 +55,6 @@ impl Region {
     }
 }
 
-/// The corner of a box that is farthest out of a half-space.
 fn farthest(plane: &HalfSpace, low: DVec3, high: DVec3) -> DVec3 {
     DVec3::select(plane.normal.cmpge(DVec3::ZERO), high, low)
 }

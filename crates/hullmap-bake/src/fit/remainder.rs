@@ -48,7 +48,6 @@ pub struct Remnant {
     pub near: Vec<u32>,
 }
 
-/// The parts, grown.
 struct Parts<'a> {
     solid: &'a Solid,
     /// `None` for a part without volume.
@@ -56,7 +55,6 @@ struct Parts<'a> {
     diagonal: f64,
 }
 
-/// A cell: its corners, its level, and the parts that may touch it.
 struct Cell {
     low: DVec3,
     high: DVec3,
@@ -65,8 +63,7 @@ struct Cell {
 }
 
 /// Convex pieces that make up what `parts` leave of `solid`, a closed one whose surface they
-/// contain. All are in the same frame. Without pieces, every point of the solid is in a part whose
-/// planes are moved outward by [`GROWN`].
+/// contain, in one frame. Without pieces, every point of the solid is in a part grown by [`GROWN`].
 pub fn remainder(solid: &Solid, parts: &[&Hull]) -> Vec<Remnant> {
     let diagonal = solid.diagonal();
     let region = |part: &&Hull| (part.rank == 3).then(|| Region::grown(part, GROWN * diagonal));

@@ -45,7 +45,7 @@ pub struct Polygon {
 }
 
 impl Polygon {
-    /// A whole triangle; `None` if it has no area, so that it separates nothing.
+    /// A whole triangle; `None` without area, since it separates nothing.
     pub fn new(triangle: &Triangle) -> Option<Self> {
         let [a, b, c] = *triangle;
         let normal = (b - a).cross(c - a).try_normalize()?;
@@ -101,10 +101,9 @@ impl Polygon {
     }
 }
 
-/// Whether all of a convex region is inside a surface, but for what is closer than its tolerance to
-/// a triangle. `polygons` are all triangles of the surface that touch the region, clipped by it.
-///
-/// `false` may mean unknown, unless there are no polygons: then any point of the region decides.
+/// Whether a convex region is inside a surface, except closer than its tolerance to a triangle.
+/// `polygons` are all triangles that touch the region, clipped by it. `false` may mean unknown,
+/// unless there are no polygons: then any point of the region decides.
 ///
 /// # Complexity
 /// O(k³ log n) for k polygons and n triangles of the surface; k is bounded.
@@ -119,8 +118,7 @@ pub fn are_sides_inside(surface: &ClosedSurface, polygons: &[Polygon]) -> bool {
     })
 }
 
-/// Whether a triangle of the surface has the inside on one side, wherever it is. `false` may mean
-/// that it is not known.
+/// Whether a triangle of the surface has the inside on one side. `false` may mean unknown.
 ///
 /// # Complexity
 /// O(k² log n) for k triangles near it and n triangles of the surface; k is bounded.

@@ -10,8 +10,7 @@
 //! 3. Cast rays that count crossings of triangles ([`winding`](super::winding)). If none is
 //!    certain, add the solid angles of all triangles.
 //!
-//! The sign of the winding number is ignored, so that a mesh turned inside out bounds the same
-//! solid.
+//! The sign of the winding number is ignored: a mesh turned inside out bounds the same solid.
 //!
 //! # Reference
 //! - Jacobson, Kavan, Sorkine-Hornung, "Robust inside-outside segmentation using generalized
@@ -47,7 +46,7 @@ pub(super) const ROUNDING: f64 = 1e-12;
 /// Distance from a closing triangle at which either side is tested, relative to the diagonal.
 const BESIDE: f64 = 1e-9;
 
-/// Number of triangles beside which the inside of a mesh without volume is looked for.
+/// Number of triangles at which the inside of a mesh without volume is searched for.
 const SHEET_SAMPLE: usize = 256;
 
 /// Volume of a mesh without inside, relative to its area times its diagonal.
@@ -56,7 +55,6 @@ pub(super) const SHEET: f64 = 1e-9;
 /// The solid that a mesh bounds. Its frame is the frame of the mesh's positions.
 pub struct Solid {
     surface: ClosedSurface,
-    /// Number of the mesh's own triangles, which come first.
     mesh_count: usize,
     /// For each closing triangle, whether all of it is in the solid.
     is_whole: Vec<bool>,
@@ -133,7 +131,6 @@ impl Solid {
         solid
     }
 
-    /// Whether there is an inside next to any of a sample of the triangles.
     fn has_inside(&self) -> bool {
         let step = (self.surface.triangles.len() / SHEET_SAMPLE).max(1);
         self.surface
@@ -217,9 +214,8 @@ impl Solid {
         self.surface.tree.visit(is_near, take).break_value()
     }
 
-    /// The least and the greatest height along `normal` of all triangles within `radius` of a
-    /// point; `None` if they are more than `most` apart, or if there are no such triangles. Parts
-    /// of triangles beyond the radius may count.
+    /// Least and greatest height along `normal` of all triangles within `radius` of a point; `None`
+    /// without triangles, or if they are more than `most` apart. Parts beyond the radius may count.
     pub fn heights_near(&self, normal: DVec3, p: DVec3, radius: f64, most: f64) -> Option<[f64; 2]> {
         let heights = Cell::new([f64::INFINITY, f64::NEG_INFINITY]);
         let is_known = |low: f64, high: f64| {
@@ -303,9 +299,8 @@ impl Solid {
         Some(near)
     }
 
-    /// Whether a point is within a distance of the solid, up to rounding error: whether
-    /// [`near`](Self::near) finds that distance or less. Any of the mesh's own triangles that is
-    /// near will do.
+    /// Whether a point is within a distance of the solid, up to rounding error, as by
+    /// [`near`](Self::near). Any of the mesh's own triangles that is near suffices.
     pub fn is_near(&self, p: DVec3, limit: f64) -> bool {
         self.surface.has_triangle_within(p, limit, |index| index < self.mesh_count)
             || self.surface.triangles.len() > self.mesh_count
@@ -320,7 +315,6 @@ impl Solid {
         self.near(p, within.min(to_hint) * (1.0 + 1e-9) + self.surface.tolerance())
     }
 
-    /// Whether the point of a closing triangle nearest to `p` is next to the inside.
     fn is_beside_inside(&self, closing: &Triangle, p: DVec3) -> bool {
         let [a, b, c] = *closing;
         let foot = triangle::nearest(closing, p);
@@ -366,8 +360,7 @@ fn distinct(triangles: &[[u32; 3]]) -> Vec<bool> {
     distinct
 }
 
-/// Triangles that close the mesh of the distinct triangles, once those that face the wrong way have
-/// been turned round.
+/// Triangles that close the mesh of distinct triangles, after reversed ones are turned round.
 fn close(positions: &[DVec3], indices: &mut [[u32; 3]], distinct: &[bool]) -> Vec<Triangle> {
     let mut chosen = chosen(indices, distinct);
     if !closing::turn(&mut chosen).is_empty() {
@@ -377,9 +370,8 @@ fn close(positions: &[DVec3], indices: &mut [[u32; 3]], distinct: &[bool]) -> Ve
     closing::cones(positions, &chosen)
 }
 
-/// The triangles of a mesh that face the other way than most others of their surface, ascending,
-/// and whether the mesh is closed once they are turned round. Vertices of equal position count as
-/// one.
+/// Ascending indices of triangles that face the other way than most others of their surface, and
+/// whether turning them closes the mesh. Vertices of equal position count as one.
 ///
 /// # Complexity
 /// O(n log n) for n triangles.
@@ -393,7 +385,6 @@ pub fn reversed(mesh: &PointSet) -> (Vec<usize>, bool) {
     (turned, closing::boundary(&chosen).is_empty())
 }
 
-/// The distinct triangles.
 fn chosen(triangles: &[[u32; 3]], distinct: &[bool]) -> Vec<[u32; 3]> {
     triangles.iter().zip(distinct).filter(|(_, distinct)| **distinct).map(|(t, _)| *t).collect()
 }
@@ -432,7 +423,6 @@ pub(super) fn merge_open(positions: &[DVec3], open: &[DVec3], distance: f64) -> 
     is_changed.then_some(merged)
 }
 
-/// Whether triangles enclose next to no volume.
 fn is_sheet(triangles: &[Triangle], counts: &[bool], diagonal: f64) -> bool {
     let Some(&[origin, ..]) = triangles.first() else { return true };
     let (mut volume, mut area) = (0.0, 0.0);

@@ -26,7 +26,6 @@ fn hull_of(positions: &[[f32; 3]]) -> Hull {
     hull::build(&mesh(positions, &[])).unwrap()
 }
 
-/// A box as twelve triangles that face outward, or inward if `inside_out`.
 fn block(low: [f32; 3], high: [f32; 3], inside_out: bool) -> PointSet {
     let corner = |i: usize| std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
     let corners: Vec<[f32; 3]> = (0..8).map(corner).collect();
@@ -49,7 +48,6 @@ fn joined(meshes: &[PointSet]) -> PointSet {
     all
 }
 
-/// An L of height 1 without inner faces: 2 by 2 with a corner of 1 by 1 left out.
 fn letter_l() -> PointSet {
     let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
     let positions: Vec<[f32; 3]> =
@@ -146,8 +144,7 @@ fn local_maxima_change_no_decision() {
     assert!(decided.iter().all(|count| *count > 60), "{decided:?}");
 }
 
-/// Climbs from random points to local maxima, each by steps that are halved where none leads
-/// farther away.
+/// Climbs from random points to local maxima, by steps that are halved where none leads farther.
 #[test]
 fn every_local_maximum_is_in_a_box() {
     let shape = |found: &shapes::mesh::Mesh| mesh(&found.vertices, &found.fans());
@@ -182,7 +179,6 @@ fn every_local_maximum_is_in_a_box() {
                     _ => step *= 0.5,
                 }
             }
-            // Others lead out of the solid's bounds.
             if distance > above && distance < solid.diagonal() {
                 let slack = 1e-6 * solid.diagonal();
                 let holds = |[l, h]: &[DVec3; 2]| (*l - p).max(p - *h).max_element() <= slack;
@@ -288,7 +284,6 @@ fn rays_agree_with_solid_angles() {
     assert!(inside > all / 40 && inside < all * 4 / 5, "{inside} of {all}");
 }
 
-/// The triangles of a solid in a box.
 fn polygons_in(solid: &Solid, low: DVec3, high: DVec3) -> Vec<Polygon> {
     let sides = DVec3::AXES.map(|normal| {
         let (least, greatest) = (normal.dot(low), normal.dot(high));
@@ -331,7 +326,6 @@ fn sides_agree_with_solid_angles() {
     assert!(known > 150 && outside > 1000 && unknown * 10 < known, "{known} known, {unknown} not, {outside} outside");
 }
 
-/// The faces inside a union of shells are not searched to the last digit.
 #[test]
 fn overlapping_boxes_take_few_measurements() {
     let union = joined(&[
@@ -346,7 +340,6 @@ fn overlapping_boxes_take_few_measurements() {
     assert!(found.bound <= 1e-5 * solid.diagonal(), "{found:?}");
 }
 
-/// Points on the surface of a hull, evenly over its triangles.
 fn samples(part: &Hull, rng: &mut SplitMix64, count: usize) -> Vec<DVec3> {
     let positions = part.positions();
     let fans: Vec<[DVec3; 3]> = part
@@ -365,7 +358,6 @@ fn in_triangle(&[a, b, c]: &[DVec3; 3], rng: &mut SplitMix64) -> DVec3 {
     a + u * (b - a) + v * (c - a)
 }
 
-/// Distance from the solid by brute force over all triangles, with solid angles for the inside.
 fn slow_distance(solid: &Solid, mesh: &PointSet, p: DVec3) -> f64 {
     if solid.kind() != SolidKind::Sheet && solid.surface().solid_angles(p) != 0 {
         return 0.0;
@@ -398,8 +390,7 @@ fn protrusion_is_never_below_a_sample() {
     assert!(close >= 15, "{close}");
 }
 
-/// Part of a closing triangle may be outside. Then its distance does not bound the distance of the
-/// solid.
+/// Part of a closing triangle may be outside, so that its distance is no bound for the solid.
 #[test]
 fn closing_triangles_that_are_whole_have_the_inside_beside_them() {
     let mut rng = SplitMix64::new(31);

@@ -18,23 +18,20 @@ const NORMAL_ERROR: f64 = 1e-9;
 /// Corners of a triangle.
 pub type Triangle = [DVec3; 3];
 
-/// Sine of the angle at the first corner below which the projection onto the plane takes several
-/// refinements.
+/// Sine of the angle at the first corner below which the projection onto the plane is refined.
 const THIN: f64 = 1e-3;
 
 /// Sine of that angle below which refinements do not converge: the error of a distance is then up
 /// to the triangle's height.
 const NEEDLE: f64 = 1e-7;
 
-/// Refinements of the projection onto the plane of a thin triangle. Each divides the error by more
-/// than 40, unless the triangle is a needle.
+/// Number of refinements of the projection. Each divides the error by over 40, except for needles.
 const REFINEMENTS: usize = 8;
 
 /// Barycentric coordinate up to which a point may be beside the opposite edge, relative to the
 /// greatest one. It is far above the rounding error of a triangle that is not thin.
 const BESIDE: f64 = 1e-6;
 
-/// The plane of a triangle, with coordinates along two of its edges.
 struct Plane {
     a: DVec3,
     ab: DVec3,
@@ -109,8 +106,7 @@ pub fn nearest(triangle: &Triangle, p: DVec3) -> DVec3 {
     best.1
 }
 
-/// The same for any triangle, however thin: the nearest of the projection and of the points of all
-/// edges.
+/// For any triangle, however thin: the nearest of the projection and of the points of all edges.
 fn nearest_of_all(triangle: &Triangle, p: DVec3) -> DVec3 {
     let [a, b, c] = *triangle;
     let plane = Plane::new(triangle);
@@ -120,8 +116,7 @@ fn nearest_of_all(triangle: &Triangle, p: DVec3) -> DVec3 {
     edges.into_iter().chain(projection).fold(edges[0], closer)
 }
 
-/// Maximum excess of the distance from the point that [`nearest`] returns over the distance from
-/// the triangle, besides rounding: 0, or the height of a needle.
+/// Error bound of distances by [`nearest`], beyond rounding: 0, or the height of a needle.
 pub fn needle(triangle: &Triangle) -> f64 {
     let [a, b, c] = *triangle;
     let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
@@ -129,7 +124,6 @@ pub fn needle(triangle: &Triangle) -> f64 {
     if Plane::new(triangle).is_wider(NEEDLE) || height.is_nan() { 0.0 } else { height }
 }
 
-/// The point of a segment nearest to `p`.
 fn nearest_on_segment([a, b]: [DVec3; 2], p: DVec3) -> DVec3 {
     let ab = b - a;
     let along = (p - a).dot(ab) / ab.length_squared();
@@ -143,8 +137,7 @@ fn nearest_on_segment([a, b]: [DVec3; 2], p: DVec3) -> DVec3 {
     }
 }
 
-/// The least and the greatest height along `normal` of the part of a triangle that is within
-/// `radius` of a point, and maybe of more of the triangle.
+/// Bounds on the heights along `normal` of the part of a triangle within `radius` of a point.
 pub fn heights_in_ball(corners: &Triangle, normal: DVec3, p: DVec3, radius: f64) -> [f64; 2] {
     let [a, b, c] = *corners;
     let [x, y, z] = corners.map(|corner| normal.dot(corner));
@@ -201,7 +194,6 @@ mod tests {
             let [x, y, z] = weights.to_array().map(|weight| weight / weights.element_sum());
             let sample = triangle[0] * x + triangle[1] * y + triangle[2] * z;
             let p = sample + 10_f64.powi(-(round % 4)) * p;
-            // The sample is on the sphere, or inside.
             let radius = sample.distance(p) * (1.0 + f64::from(round % 2));
             let [low, high] = heights_in_ball(&triangle, normal, p, radius);
             let height = normal.dot(sample);
@@ -243,7 +235,6 @@ mod tests {
         assert!(thin > 100_000 && needles > 50_000 && high > 50_000, "{thin} thin, {needles} needles, {high} high");
     }
 
-    /// Points above, beside and far from triangles, compared with all edges and the plane.
     #[test]
     fn edges_that_are_left_out_are_farther() {
         let mut rng = SplitMix64::new(6);

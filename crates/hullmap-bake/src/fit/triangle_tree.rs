@@ -3,8 +3,8 @@
 //! # Steps
 //! 1. Sort the triangles into eight bins, by the centres of their boxes along the axis on which the
 //!    centres are spread farthest.
-//! 2. Of the seven planes between bins, take the one with the minimum cost: the sum over both sides
-//!    of volume times number of triangles. Triangles that no plane separates are halved.
+//! 2. Take the plane between bins with the minimum cost: the sum over both sides of volume times
+//!    number of triangles. Triangles that no plane separates are halved.
 //! 3. Repeat on both sides until each leaf holds one triangle.
 //!
 //! # Reference
@@ -25,54 +25,41 @@ const BINS: usize = 8;
 /// Share of the spread by which the bins end before the last centre, so that it lies in a bin.
 const BIN_MARGIN: f64 = 1e-5;
 
-/// A tree of the boxes around triangles.
 pub struct TriangleTree {
-    /// The children of each inner node, the root first. Empty for fewer than two triangles.
     children: Vec<[Node; 2]>,
-    /// `None` if there are no triangles.
     root: Option<Node>,
 }
 
-/// A node: a box and what lies in it.
 #[derive(Clone, Copy)]
 pub struct Node {
-    /// The box.
     pub bounds: Bounds,
     below: Below,
 }
 
 #[derive(Clone, Copy)]
 enum Below {
-    /// Index of the triangle.
     Leaf(u32),
-    /// Index of the children.
     Inner(u32),
 }
 
 /// An axis-aligned box.
 #[derive(Clone, Copy)]
 pub struct Bounds {
-    /// Its lowest corner.
     pub low: DVec3,
-    /// Its highest corner.
     pub high: DVec3,
 }
 
 impl Bounds {
-    /// Contains nothing.
     const EMPTY: Self = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
 
-    /// The box around points.
     pub fn around(points: &[DVec3]) -> Self {
         points.iter().map(|p| Self::of_point(*p)).fold(Self::EMPTY, Self::with)
     }
 
-    /// Whether the box contains a point.
     pub fn contains(&self, p: DVec3) -> bool {
         p.cmpge(self.low).all() && p.cmple(self.high).all()
     }
 
-    /// Whether two boxes have a point in common.
     pub fn touches(&self, other: &Self) -> bool {
         self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
     }
@@ -101,18 +88,10 @@ impl Bounds {
 }
 
 impl TriangleTree {
-    /// The tree of triangles with finite corners.
-    ///
-    /// # Complexity
-    /// O(n log n) for n triangles that are spread evenly.
     pub fn new(triangles: &[Triangle]) -> Self {
         Self::of_boxes(triangles.iter().map(|corners| Bounds::around(corners)))
     }
 
-    /// The tree of boxes, each in the place of a triangle.
-    ///
-    /// # Complexity
-    /// The same as for [`Self::new`].
     pub fn of_boxes(boxes: impl Iterator<Item = Bounds>) -> Self {
         let leaf = |(index, bounds)| Node { bounds, below: Below::Leaf(index) };
         let mut leaves: Vec<Node> = (0..).zip(boxes).map(leaf).collect();
@@ -123,7 +102,6 @@ impl TriangleTree {
         tree
     }
 
-    /// The node above `leaves`, which must not be empty.
     fn built(&mut self, leaves: &mut [Node]) -> Node {
         if let [leaf] = leaves {
             return *leaf;
@@ -137,8 +115,7 @@ impl TriangleTree {
         Node { bounds: children[0].bounds.with(children[1].bounds), below: Below::Inner(own as u32) }
     }
 
-    /// Visits the triangles in all nodes that `accepts`. A node whose parent is not accepted is not
-    /// visited.
+    /// Visits the triangles in all nodes that `accepts`, unless it rejects an ancestor.
     pub fn for_each(&self, accepts: impl Fn(&Bounds) -> bool, mut visit: impl FnMut(u32)) {
         let _ = self.visit(accepts, |triangle| {
             visit(triangle);
@@ -146,8 +123,7 @@ impl TriangleTree {
         });
     }
 
-    /// Visits the triangles in all nodes that `accepts`, until a visit breaks. A node whose parent
-    /// is not accepted is not visited.
+    /// As [`Self::for_each`], until a visit breaks.
     pub fn visit<B>(
         &self,
         accepts: impl Fn(&Bounds) -> bool,
@@ -174,9 +150,8 @@ impl TriangleTree {
         }
     }
 
-    /// The triangle with the lowest cost below `limit`, and that cost; `None` if there is none.
-    /// `of_box` is a lower bound on the costs of all triangles in a box. Triangles without a cost
-    /// are skipped.
+    /// The triangle with the lowest cost below `limit`, and that cost. `of_box` is a lower bound on
+    /// all costs in a box. Triangles without a cost are skipped.
     pub fn lowest(
         &self,
         limit: f64,
@@ -194,7 +169,6 @@ impl TriangleTree {
         best.triangle.map(|triangle| (best.cost, triangle))
     }
 
-    /// Leaves first, then the nearer node.
     fn search(
         &self,
         index: u32,
@@ -222,7 +196,6 @@ impl TriangleTree {
     }
 }
 
-/// The best of a search so far.
 struct Lowest {
     cost: f64,
     triangle: Option<u32>,
@@ -237,7 +210,6 @@ impl Lowest {
     }
 }
 
-/// Leaves in a bin, or in several.
 #[derive(Clone, Copy)]
 struct Bin {
     bounds: Bounds,
@@ -251,13 +223,11 @@ impl Bin {
         Self { bounds: self.bounds.with(other.bounds), count: self.count + other.count }
     }
 
-    /// NaN for a bin without leaves.
     fn cost(&self) -> f64 {
         self.bounds.volume() * self.count as f64
     }
 }
 
-/// Puts the leaves of the left side first, and returns their number.
 fn split(leaves: &mut [Node]) -> usize {
     let centres = leaves.iter().map(|leaf| Bounds::of_point(leaf.bounds.centre())).fold(Bounds::EMPTY, Bounds::with);
     let spread = centres.high - centres.low;
@@ -308,7 +278,6 @@ mod tests {
     use super::*;
     use crate::fit::triangle;
 
-    /// Small triangles in a cube, and some that are equal or lie in one plane.
     fn triangles(count: usize, rng: &mut SplitMix64) -> Vec<Triangle> {
         let mut point = |size: f64| DVec3::from_array(rng.direction()) * size;
         let mut all: Vec<Triangle> = (0..count)
@@ -389,7 +358,6 @@ mod tests {
         assert!(counts[2] < 1.6 * counts[0], "{counts:?}");
     }
 
-    /// Centres that double would be split off one by one.
     #[test]
     fn triangles_of_all_sizes_are_found() {
         let triangles: Vec<Triangle> =

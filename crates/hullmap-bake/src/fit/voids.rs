@@ -2,13 +2,12 @@
 //! there touches nothing.
 //!
 //! # Steps
-//! 1. Start with the box around the mesh. Drop a cell that is all in one part. Count a cell that
-//!    no part and no triangle touches as a whole: its centre decides. Divide every other cell into
+//! 1. Start with the box around the mesh. Drop a cell that is all in one part. The centre of a cell
+//!    that no part and no triangle touches decides for all of it. Divide every other cell into
 //!    eight.
-//! 2. Cells of the last level that are still undecided are decided by one point of a fixed sequence
-//!    each, so that the estimate is the same everywhere. When the time is over, the level at hand
-//!    is the last one, if it has at least 16 cells along each axis, and of many cells only some are
-//!    decided.
+//! 2. One point of a fixed sequence, which is the same everywhere, decides each cell of the last
+//!    level. After the deadline, the current level is the last one if it has at least 16 cells
+//!    along each axis, and of many cells only some are decided.
 //!
 //! # Reference
 //! Meagher, "Geometric modeling using octree encoding", 1982.
@@ -32,7 +31,7 @@ use crate::{
 pub struct Voids {
     /// The estimate, in cubic units of the positions.
     pub volume: f64,
-    /// Twice the standard deviation that the estimate has at most, if the points are random.
+    /// Twice the maximum standard deviation, for random points.
     pub error: f64,
 }
 
@@ -62,25 +61,19 @@ const LATE_LEVEL: u32 = 4;
 /// Maximum number of cells that are decided by a point when the time is over.
 const LATE_CELLS: usize = 4096;
 
-/// A cell of a level: its place along each axis, and the parts that may touch it.
 struct Cell {
     place: [u32; 3],
     parts: Vec<u32>,
 }
 
-/// What is known of a cell.
 enum Judged {
-    /// It is in a part, or outside the solid.
     Full,
-    /// It is in the solid, and in no part.
     Void,
-    /// It may be either, and touches these parts.
     Open(Vec<u32>),
 }
 
-/// Estimates the volume of `solid` that is in none of `parts`. All are in the same frame. It is 0
-/// for a solid that is its surface alone. After the deadline, the estimate is a coarse one, and the
-/// error states that.
+/// Estimates the volume of `solid` in none of `parts`, in one frame: 0 for a solid without an
+/// inside. After the deadline, the estimate is a coarse one, as its error states.
 ///
 /// # Complexity
 /// At most 8⁶ cells, each compared with the planes of the parts that touch the cell around it. An
@@ -123,14 +116,12 @@ pub fn voids(solid: &Solid, parts: &[&Hull], deadline: Option<Deadline>) -> Void
     let decided: Vec<&Cell> = open.iter().step_by(stride).collect();
     let empty = decided.par_iter().filter(|cell| is_void(solid, &regions, cell, low, size)).count() as f64;
     let count = decided.len() as f64;
-    // The volume for which each of them stands.
     let cell = size.element_product() * open.len() as f64 / count.max(1.0);
     // The variance of n points with the mean p is at most n p (1 − p). One more keeps it above 0.
     let deviation = cell * ((empty + 1.0) * (1.0 - empty / (count + 1.0))).sqrt();
     Voids { volume: volume + cell * empty, error: 2.0 * deviation }
 }
 
-/// Decides a cell by the parts that touch it.
 fn judge(solid: &Solid, regions: &[Region], cell: &Cell, low: DVec3, size: DVec3) -> Judged {
     let from = low + DVec3::from_array(cell.place.map(f64::from)) * size;
     let to = from + size;
@@ -145,7 +136,6 @@ fn judge(solid: &Solid, regions: &[Region], cell: &Cell, low: DVec3, size: DVec3
     }
 }
 
-/// Whether the point of a cell is in the solid, and in no part.
 fn is_void(solid: &Solid, regions: &[Region], cell: &Cell, low: DVec3, size: DVec3) -> bool {
     let [x, y, z] = cell.place.map(|place| place as usize);
     let k = x | y << LEVELS | z << (2 * LEVELS);
@@ -183,7 +173,6 @@ mod tests {
         }
     }
 
-    /// A cube from −1 to 1, with its faces turned outwards.
     fn cube() -> PointSet {
         let whole = hull_of(corners([[-1.0; 3], [1.0; 3]]));
         let triangles = whole.faces.iter().flat_map(|f| (2..f.len()).map(|i| [f[0], f[i - 1], f[i]])).collect();
@@ -191,7 +180,6 @@ mod tests {
         PointSet { positions: whole.vertices, source_vertices, triangles, ..PointSet::default() }
     }
 
-    /// The truth is the volume of the cube minus the volume of the parts in it.
     #[track_caller]
     fn assert_near(found: Voids, truth: f64, most_error: f64) {
         println!("{found:?}, truth {truth}");
@@ -220,7 +208,6 @@ mod tests {
         let truth = (f64::from(hollow[1]) - f64::from(hollow[0])).powi(3);
         assert_near(voids(&solid, &slabs.iter().collect::<Vec<_>>(), None), truth, 4e-3);
         assert_near(voids(&solid, &[], None), 8.0, 1e-4);
-        // Parts may reach beyond the solid, and overlap.
         let [large, half] = [[[-2.0; 3], [2.0; 3]], [[-1.0; 3], [1.5, 0.1, 3.0]]].map(|b| hull_of(corners(b)));
         assert_eq!(voids(&solid, &[&large, &half], None).volume, 0.0);
         assert_near(voids(&solid, &[&half], None), 4.0 * 0.9, 4e-3);

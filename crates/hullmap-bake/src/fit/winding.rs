@@ -23,7 +23,6 @@ use super::{
 /// Relative error up to which the side of an edge on which a ray passes is uncertain.
 const UNCERTAIN: f64 = 1e-13;
 
-/// Number of rays cast before the solid angles are added.
 pub(super) const RAYS: usize = 12;
 
 /// A closed surface of triangles.
@@ -39,17 +38,13 @@ pub struct ClosedSurface {
     pub(super) bounds: [DVec3; 2],
     /// Maximum distance by which a vertex was moved.
     pub(super) moved: f64,
-    /// Bound on the rounding error of a distance.
     pub(super) rounding: f64,
-    /// Bound on the error of a distance from a needle.
     pub(super) needles: f64,
 }
 
 /// Why a ray does not decide whether a point is inside.
 pub(super) enum Doubt {
-    /// It passes too close to an edge.
     Edge,
-    /// The point is on this triangle.
     On(u32),
 }
 
@@ -154,8 +149,7 @@ impl ClosedSurface {
         }
     }
 
-    /// Winding number as the sum of all solid angles, which is slow and always certain enough: its
-    /// error is far below a half.
+    /// Winding number as the sum of all solid angles: slow, with an error far below a half.
     pub(super) fn solid_angles(&self, p: DVec3) -> i32 {
         let mut sum = 0.0;
         for ([a, b, c], counts) in self.triangles.iter().zip(&self.counts) {
@@ -172,7 +166,6 @@ impl ClosedSurface {
     }
 }
 
-/// Directions of rays, none of which is parallel to common edges.
 pub(super) fn ray_direction(index: usize) -> DVec3 {
     const GOLDEN: f64 = 2.399_963_229_728_653;
     let z = 1.0 - (2 * index + 1) as f64 / RAYS as f64;
@@ -213,8 +206,7 @@ fn crossing(triangle: &Triangle, p: DVec3, direction: DVec3) -> Option<i32> {
     } else {
         let normal = (b - a).cross(c - a);
         let height = a.dot(normal);
-        // Edges may be much shorter than their distance, so the error of the normal is the error of
-        // the edges.
+        // Edges may be much shorter than their distance: the normal's error comes from the edges.
         let error = UNCERTAIN * size * (b - a).length() * (c - a).length();
         if height.abs() <= error {
             return None;

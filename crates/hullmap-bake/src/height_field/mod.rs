@@ -41,7 +41,7 @@ pub struct BakedHeightField {
     field: HeightField,
 }
 
-/// What a height field consists of.
+/// The contents of a height field.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FieldCounts {
     /// Number of vertices along x.
@@ -54,14 +54,11 @@ pub struct FieldCounts {
     pub heights: [f32; 2],
 }
 
-/// Bakes heights on a grid as a static ground.
-///
-/// The result is a pure function of the arguments.
+/// Bakes heights on a grid as a static ground: a pure function of the arguments.
 ///
 /// # Errors
-/// The grid has fewer than two columns or rows, or too many cells, or its coordinates do not rise
-/// from vertex to vertex. There are not as many heights, holes or materials as the grid needs. A
-/// height is infinite. All cells are holes.
+/// A malformed grid; numbers of heights, holes or materials that do not fit it; an infinite height;
+/// only holes.
 ///
 /// # Complexity
 /// O(n) for n vertices.
@@ -127,7 +124,7 @@ pub fn write_height_field(baked: BakedHeightField, source: &SourceRecord) -> Res
 }
 
 impl BakedHeightField {
-    /// What the height field consists of.
+    /// The contents of the height field.
     pub fn counts(&self) -> FieldCounts {
         let record = self.field.records.first().copied().unwrap_or_default();
         FieldCounts {
@@ -184,7 +181,6 @@ fn holes(source: &HeightGrid<'_>) -> (Vec<u8>, usize) {
     (bits, count)
 }
 
-/// Column and row of the vertices of a cell.
 fn corners(column: usize, row: usize) -> [(usize, usize); 4] {
     [(column, row), (column + 1, row), (column, row + 1), (column + 1, row + 1)]
 }
@@ -195,7 +191,6 @@ fn clear_unused(layout: &Layout, holes: &[u8], heights: &mut [f32]) {
     let [across, along] = layout.cells();
     for row in 0..layout.rows {
         for column in 0..layout.columns {
-            // The cells around the vertex, within the grid.
             let mut columns = column.saturating_sub(1)..(column + 1).min(across);
             let rows = row.saturating_sub(1)..(row + 1).min(along);
             let is_used = columns.any(|column| rows.clone().any(|row| !is_marked(holes, layout.cell(column, row))));
@@ -206,7 +201,6 @@ fn clear_unused(layout: &Layout, holes: &[u8], heights: &mut [f32]) {
     }
 }
 
-/// The field of an archive that is not written yet.
 struct Field<'a>(&'a HeightField);
 
 impl Heights for Field<'_> {

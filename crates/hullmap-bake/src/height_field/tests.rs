@@ -1,5 +1,4 @@
-//! Tests of height fields: every file passes the check, and the bytes do not depend on what no
-//! triangle has.
+//! Every file passes the check, and its bytes do not depend on unused heights.
 
 use hullmap_format::{
     header::{FileKind, HEADER_LEN},
@@ -22,7 +21,6 @@ fn bytes(baked: &BakedHeightField) -> Vec<u8> {
     write_height_field(baked.clone(), &SourceRecord::default()).unwrap()
 }
 
-/// Panics if the file is one that the runtime rejects.
 fn check_file(baked: &BakedHeightField) {
     let file = bytes(baked);
     let mut aligned = AlignedVec::<HEADER_LEN>::new();
@@ -109,8 +107,7 @@ fn errors_name_what_is_wrong() {
     }
 }
 
-/// The same bytes on all machines: the checksum of a field with holes, materials and rounded
-/// positions.
+/// The checksum of a field with holes, materials and rounded positions is fixed for all machines.
 #[test]
 fn the_bytes_are_the_same_everywhere() {
     let (columns, rows) = (19, 33);

@@ -4,27 +4,13 @@ use super::{Hull, edges};
 
 /// For each vertex, the vertices that share an edge with it, ascending, and the faces to the left
 /// of these edges.
-///
-/// ```
-/// use hullmap_bake::hull::adjacency::Adjacency;
-/// # use hullmap_bake::{PointSet, hull};
-/// # let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-/// # let tetrahedron = PointSet { positions, source_vertices: (0..4).collect(), ..PointSet::default() };
-/// let hull = hull::build(&tetrahedron)?;
-/// let adjacency = Adjacency::new(&hull);
-/// assert_eq!(adjacency.neighbours(2), [0, 1, 3]);
-/// let face = adjacency.left_of(2, 0).expect("they share an edge");
-/// assert!(hull.faces[face as usize].windows(2).any(|edge| edge == [2, 0]) || hull.faces[face as usize][0] == 0);
-/// # Ok::<(), hullmap_bake::BakeError>(())
-/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Adjacency {
     /// For each vertex, the start of its run; then the end of the last one.
     pub starts: Vec<u32>,
     /// Neighbours of each vertex, ascending.
     pub neighbours: Vec<u32>,
-    /// For each neighbour w of v, the index of the face in which w follows v; 0 if there are no
-    /// faces.
+    /// For each neighbour w of v, the index of the face in which w follows v; 0 without faces.
     pub faces: Vec<u32>,
 }
 
@@ -38,7 +24,6 @@ impl Adjacency {
         if hull.rank == 1 {
             return Self { starts: vec![0, 1, 2], neighbours: vec![1, 0], faces: vec![0, 0] };
         }
-        // Next free place in the run of each vertex.
         let mut next = vec![0_u32; count + 1];
         hull.faces.iter().flatten().for_each(|v| next[*v as usize + 1] += 1);
         (0..count).for_each(|v| next[v + 1] += next[v]);
@@ -50,8 +35,7 @@ impl Adjacency {
                 next[a as usize] += 1;
             }
         }
-        // Each run now ends where the next place is. Sort the runs, and close the gaps of entries
-        // that are removed.
+        // Each run now ends at its next place. Sort the runs, and close gaps of removed entries.
         let mut adjacency = Self { starts: next, neighbours, faces };
         let (mut run, mut start, mut kept) = (Vec::new(), 0, 0);
         for vertex in 0..count {

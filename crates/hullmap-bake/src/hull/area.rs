@@ -8,9 +8,8 @@
 //! 3. If the cross product is so short that rounding error matters, the corners are nearly
 //!    collinear. Compute it exactly, with expansions.
 //!
-//! Both need the fused multiply-add with a single rounding. `f64::mul_add` calls the C library of
-//! the target, and MinGW's library rounds twice: a pack had other bytes on Windows. libm has its
-//! own.
+//! The fused multiply-add is libm's: MinGW's `f64::mul_add` rounds twice, and gave packs other
+//! bytes on Windows.
 //!
 //! # Reference
 //! Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates",
@@ -19,8 +18,7 @@
 use glam::DVec3;
 use libm::fma;
 
-/// Sine of the angle between two sides below which their cross product is computed exactly. Above
-/// it, rounding error turns a normal by less than 1e-9.
+/// Sine of the angle between two sides above which rounding turns a normal by less than 1e-9.
 const SHARP: f64 = 1e-6;
 
 /// Area vector of a polygon. It points to the side from which the corners appear counter-clockwise.
@@ -35,10 +33,8 @@ pub fn triangle_area_vector(corners: [DVec3; 3]) -> DVec3 {
     area_vector_from(corners).0
 }
 
-/// Area vector of a triangle, and whether its last digits may depend on which corner comes first.
-///
-/// They do not if one side is longer than the two others, because these are then the sides that are
-/// multiplied, in an order that does not depend on the first corner.
+/// Area vector of a triangle, and whether its last digits may depend on which corner comes first:
+/// not if one side is the longest, since the two others are multiplied in a fixed order.
 pub fn area_vector_from([a, b, c]: [DVec3; 3]) -> (DVec3, bool) {
     let (ab, bc, ca) = (b - a, c - b, a - c);
     let [ab_sq, bc_sq, ca_sq] = [ab, bc, ca].map(DVec3::length_squared);
@@ -58,8 +54,7 @@ pub fn area_vector_from([a, b, c]: [DVec3; 3]) -> (DVec3, bool) {
     }
 }
 
-/// Cross product whose components are accurate to two units in the last place, even if the products
-/// cancel.
+/// Cross product with components accurate to two units in the last place despite cancellation.
 pub fn accurate_cross(a: DVec3, b: DVec3) -> DVec3 {
     // Kahan's difference of products.
     let minor = |a: f64, b: f64, c: f64, d: f64| {
@@ -69,8 +64,7 @@ pub fn accurate_cross(a: DVec3, b: DVec3) -> DVec3 {
     DVec3::new(minor(a.y, a.z, b.y, b.z), minor(a.z, a.x, b.z, b.x), minor(a.x, a.y, b.x, b.y))
 }
 
-/// [`triangle_area_vector`] with exact components, each rounded once. Nothing underflows if the
-/// positions are f32 numbers.
+/// [`triangle_area_vector`] with exact components, rounded once. F32 positions cannot underflow.
 fn exact_area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
     let minor = |i: usize, j: usize| {
         let ([p, q], [r, s]) = ([(b[i], a[i]), (c[j], a[j])], [(b[j], a[j]), (c[i], a[i])]);

@@ -1,5 +1,3 @@
-//! A convex hull as its boundary: vertices and faces.
-
 use glam::DVec3;
 
 /// A certified convex hull.

@@ -1,16 +1,13 @@
-//! Certificate of a hull, computed only from its vertices, its faces and the source points,
-//! independently of its construction.
+//! Certificate of a hull, from its vertices, faces and source points alone.
 //!
 //! 1. Euler: V − E + F = 2, and every edge occurs once in each direction.
 //! 2. Every face faces outward: the centroid of the vertices lies behind it.
 //! 3. No source point lies farther than [`CONTAINMENT`] in front of any face, or from the polygon,
 //!    segment or point.
 //!
-//! Testing every point against every face in step 3 would be too slow. A group of points lies
-//! entirely behind most faces. The points are therefore halved recursively, and each half keeps
-//! only the faces that it may not be behind. A box around the group shows that, or a slice along
-//! the surface: the boxes of small groups stick out of a curved surface, and with boxes alone the
-//! work grows as n^1.5.
+//! Step 3 halves the points recursively, and each half keeps only the faces that it may not be
+//! behind. A box around the group shows that, or a slice along the surface: the boxes of small
+//! groups stick out of a curved surface, and with boxes alone the work grows as n^1.5.
 
 use glam::DVec3;
 
@@ -19,6 +16,7 @@ use crate::number::short;
 
 /// Why a hull fails its certificate.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum CertificateError {
     /// A source point is too far outside the hull.
     #[error(
@@ -39,10 +37,7 @@ pub enum CertificateError {
     },
     /// A face is degenerate or faces inward.
     #[error("face {face} is degenerate or faces inward")]
-    Inward {
-        /// Index of the face.
-        face: usize,
-    },
+    Inward { face: usize },
 }
 
 /// Maximum distance of a source point from the hull, relative to the hull's diameter.
@@ -136,20 +131,17 @@ fn side_planes(hull: &Hull, vertices: &[DVec3], normal: DVec3) -> Vec<HalfSpace>
         .collect()
 }
 
-/// Maximum number of points in a group that is not halved further. Each of its points is tested
-/// against each half-space that is left.
+/// Maximum number of points in a group that is not halved further.
 const GROUP: usize = 32;
 
-/// Maximum number of points in a group that gets slices. On a larger part of the surface they are
-/// no better than the box.
+/// Maximum number of points of a group with slices. On more of the surface, boxes are as good.
 const WITH_SLICES: usize = 1 << 14;
 
 /// Half-spaces are dropped on every level whose number is a multiple of this.
 const EVERY: usize = 2;
 
-/// How far a group must be behind a half-space, relative to the largest coordinate, for the
-/// half-space to be dropped. It is a hundred times the rounding error of that distance, so the
-/// computed distance of every point is negative.
+/// How far a group must be behind a half-space to drop it, relative to the largest coordinate: a
+/// hundred times the rounding error, so that each computed distance is negative.
 const BEHIND: f64 = 1e-13;
 
 /// Maximum distance of a point outside any half-space; 0 if no point is outside.
@@ -157,12 +149,11 @@ fn worst_outside(points: &[DVec3], half_spaces: &[HalfSpace]) -> f64 {
     search(points, half_spaces).worst
 }
 
-/// Moves the half-spaces that are kept to the front, and returns them.
 fn keep(half_spaces: &mut [HalfSpace], is_kept: impl Fn(&HalfSpace) -> bool) -> &mut [HalfSpace] {
     let mut count = 0;
     for at in 0..half_spaces.len() {
-        // A branch would be as unpredictable as a random one. A dropped half-space changes places
-        // with one dropped before.
+        // Branch-free: this branch would mispredict. A dropped half-space changes places with an
+        // earlier one.
         let is_kept = is_kept(&half_spaces[at]);
         half_spaces.swap(count, at);
         count += usize::from(is_kept);
@@ -183,11 +174,9 @@ struct OutsideSearch {
     margin: f64,
     /// The boxes around the current group, each with the worst distance when it was entered.
     path: Vec<(Box3, f64)>,
-    /// Comparisons of a half-space with a group or with a point.
     work: usize,
 }
 
-/// An axis-aligned box.
 #[derive(Clone, Copy)]
 struct Box3 {
     centre: DVec3,
@@ -201,7 +190,6 @@ impl Box3 {
         Self { centre: (low + high) * 0.5, half: (high - low) * 0.5 }
     }
 
-    /// How far the box reaches in front of a half-space.
     fn outside(&self, h: &HalfSpace) -> f64 {
         h.normal.dot(self.centre) + h.normal.abs().dot(self.half) - h.offset
     }
@@ -217,7 +205,6 @@ struct Slice {
 }
 
 impl Slice {
-    /// The slice of `points` whose axis is the mean normal of half-spaces.
     fn new(points: &[DVec3], centre: DVec3, normals: DVec3) -> Self {
         // Zero if there are none: then the slice is behind nothing.
         let axis = normals.normalize_or_zero();
@@ -226,7 +213,6 @@ impl Slice {
         Self { top: centre + axis * height, axis, radius }
     }
 
-    /// Whether the slice is behind a half-space by more than `margin`.
     fn is_behind(&self, h: &HalfSpace, margin: f64) -> bool {
         let along = h.normal.dot(self.axis);
         let behind = h.offset - h.normal.dot(self.top) - margin;
@@ -268,7 +254,6 @@ impl OutsideSearch {
         self.path.pop();
     }
 
-    /// Moves the half-spaces that some point may be outside of to the front, and returns them.
     fn keep_near<'h>(
         &mut self,
         points: &[DVec3],
@@ -361,8 +346,8 @@ mod tests {
         (points, half_spaces)
     }
 
-    /// The slow twin, with boxes alone. Of distances within rounding error, it skips those whose
-    /// boxes are behind within rounding error.
+    /// The slow twin, with boxes alone. It skips distances within rounding error whose boxes are
+    /// behind within rounding error.
     fn boxes_only(points: &mut [DVec3], half_spaces: &[HalfSpace], worst: &mut f64) {
         let around = Box3::new(points);
         let near: Vec<HalfSpace> = half_spaces.iter().filter(|h| !(around.outside(h) <= *worst)).copied().collect();
@@ -418,7 +403,6 @@ mod tests {
         }
     }
 
-    /// The slow, obvious twin: every point against every half-space.
     #[test]
     fn grouping_changes_nothing() {
         let points: Vec<DVec3> =

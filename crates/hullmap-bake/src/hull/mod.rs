@@ -98,8 +98,7 @@ fn segment_ends(positions: &[DVec3], ends: [usize; 2]) -> Vec<u32> {
     all.clone().min_by(by_reach).into_iter().chain(all.max_by(by_reach)).collect()
 }
 
-/// Distinct positions in ascending order, each with its smallest source vertex index. Negative
-/// zeros become positive.
+/// Distinct positions without negative zeros, ascending, each with its lowest source vertex.
 fn distinct(points: &PointSet) -> Result<Vec<([f32; 3], u32)>, BakeError> {
     if points.positions.is_empty() {
         return Err(BakeError::Empty);

@@ -1,18 +1,14 @@
 //! Convex hull of points in a plane: Andrew's monotone chain with exact predicates.
 //!
-//! The points are projected along the coordinate axis closest to the plane's normal. Dropping a
-//! coordinate is an affine map of the plane, which preserves convex hulls, and it has no rounding
-//! error.
+//! The points are projected along the coordinate axis closest to the plane's normal: an affine map
+//! without rounding error, which preserves convex hulls.
 
 use glam::{DVec2, DVec3};
 
 use super::area::{accurate_cross, area_vector};
 
-/// Indices of the extreme points, counter-clockwise seen against `normal`, starting at the smallest
-/// index.
-///
-/// # Complexity
-/// O(n log n).
+/// Indices of the extreme points, counter-clockwise seen against `normal`, from the lowest. O(n log
+/// n).
 pub fn hull(points: &[DVec3], normal: DVec3) -> Vec<u32> {
     let axis = dropped_axis(normal);
     let flat = |p: DVec3| DVec2::new(p[(axis + 1) % 3], p[(axis + 2) % 3]);
@@ -37,10 +33,8 @@ pub fn hull(points: &[DVec3], normal: DVec3) -> Vec<u32> {
     outline
 }
 
-/// The same, projected along the axis that [`side_normal`] uses for the polygon's own normal.
-///
-/// The normal of three of its points may have a different closest axis if the polygon is a needle,
-/// which may be flat relative to its length but not relative to its width.
+/// As [`hull`], but projected along the axis that [`side_normal`] uses for the polygon's own
+/// normal. The normal of three points of a needle may have another closest axis.
 pub fn hull_along_own_axis(points: &[DVec3], normal: DVec3) -> Vec<u32> {
     let mut normal = normal;
     let mut found = hull(points, normal);
@@ -72,8 +66,8 @@ pub fn side_normal(edge: DVec3, normal: DVec3) -> DVec3 {
     accurate_cross(along, normal).normalize_or_zero()
 }
 
-/// The first axis to which the normal is closest, to within rounding error. It is the same for
-/// normals of one plane computed from different corners.
+/// The first axis to which the normal is closest, to within rounding error: the same for any
+/// corners of the plane.
 fn dropped_axis(normal: DVec3) -> usize {
     /// Components of at least this fraction of the largest count as equally large.
     const AS_GREAT: f64 = 1.0 - 1e-9;

@@ -1,18 +1,15 @@
-//! The four corners that stand for each face with more than four corners: those that span the
-//! largest area.
+//! The four corners that stand for each face with more than four: those that span the largest area.
 //!
 //! # Steps
-//! 1. Project the face along the axis that is closest to its normal. Ratios of areas in its plane
-//!    stay the same.
-//! 2. Of at most 1,024 corners, evenly chosen, find the four that span the largest
-//!    area: for each diagonal, the farthest corner on either side.
-//! 3. Exchange one of the four for any corner of the face, as long as the area grows. This mends
-//!    what rounding errors of nearly collinear corners may have missed.
+//! 1. Project the face along the axis closest to its normal. Ratios of areas stay the same.
+//! 2. Among at most 1,024 corners, evenly chosen, find the four that span the largest area: for
+//!    each diagonal, the farthest corner on either side.
+//! 3. Exchange one of the four for any corner of the face while the area grows, which repairs
+//!    rounding errors of nearly collinear corners.
 //!
-//! Up to 1,024 corners, the result is the largest quadrilateral. It always has at
-//! least half of the area of the face: each of its corners is the farthest from the diagonal
-//! between its neighbours. So the face lies in the parallelogram through the four corners whose
-//! sides are parallel to the diagonals, and that has twice the quadrilateral's area.
+//! Up to 1,024 corners, the result is the largest quadrilateral. It always has at least half of the
+//! face's area: each corner is the farthest from the diagonal between its neighbours, so the face
+//! lies in the parallelogram with sides parallel to the diagonals, which has twice the area.
 //!
 //! # Complexity
 //! O(n²) for n corners up to 1,024, and O(n) beyond.
@@ -31,8 +28,7 @@ const MAX_CANDIDATES: usize = 1024;
 /// Maximum number of rounds of exchanges. One or two are usual.
 const MAX_ROUNDS: usize = 64;
 
-/// The entry of each face with more than four corners, in order of the faces. `adjacency` is the
-/// adjacency of `hull`.
+/// The entry of each face with more than four corners, in order of the faces of `hull`.
 pub fn quads(hull: &Hull, adjacency: &Adjacency) -> Vec<Quad> {
     if hull.faces.iter().all(|face| face.len() <= 4) {
         return Vec::new();
@@ -100,7 +96,6 @@ fn of_diagonals(points: &[DVec2]) -> [usize; 4] {
     best.1
 }
 
-/// Exchanges single corners of the quadrilateral for others while its area grows.
 fn improve(corners: &[DVec2], quad: &mut [usize; 4]) {
     for _ in 0..MAX_ROUNDS {
         let mut grew = false;
@@ -124,13 +119,11 @@ fn improve(corners: &[DVec2], quad: &mut [usize; 4]) {
 mod tests {
     use super::*;
 
-    /// Twice the area of a quadrilateral in order.
     fn area(corners: &[DVec2], quad: [u32; 4]) -> f64 {
         let [a, b, c, d] = quad.map(|at| corners[at as usize]);
         (c - a).perp_dot(d - b)
     }
 
-    /// Corners of a convex polygon: points of an ellipse at random angles.
     fn polygon(n: usize, flat: f64, seed: u64) -> Vec<DVec2> {
         let mut state = seed;
         let mut random = || {

@@ -18,8 +18,8 @@
 //! degenerate, and no point is lost, however flat or thin the set is.
 //!
 //! # Memory
-//! Places of deleted faces are reused, so there are hardly more than 2n faces, of 72 bytes each.
-//! The facets of a solid depend neither on the order of insertion nor on the places.
+//! Places of deleted faces are reused: about 2n faces of 72 bytes. The facets of a solid depend
+//! neither on the order of insertion nor on the places.
 
 use glam::DVec3;
 
@@ -29,14 +29,11 @@ pub(crate) const FILTER: f64 = 10.0 * f64::EPSILON / 2.0;
 
 const NONE: u32 = u32::MAX;
 
-/// A facet of the hull: the indices of its vertices, counter-clockwise seen from outside, starting
-/// at the smallest.
+/// Vertex indices of a facet, counter-clockwise seen from outside, starting at the smallest.
 pub type Facet = Vec<u32>;
 
-/// The hull's facets, in ascending order. Every vertex of a facet is an extreme point.
-///
-/// `points` must be distinct, and `simplex` must hold the indices of four points that span space.
-/// The result depends only on the points and their order.
+/// The hull's facets, in ascending order. Every vertex of a facet is an extreme point. `points`
+/// must be distinct, and `simplex` must hold four indices that span space.
 ///
 /// # Complexity
 /// O(n log n) on all families tried; quadratic at worst.
@@ -64,7 +61,6 @@ fn build(points: &[DVec3], chosen: &[u32], simplex: [u32; 4]) -> (Vec<Facet>, us
     (facets, flat)
 }
 
-/// Vertices at which three or more facets meet, ascending.
 fn extreme_vertices(facets: &[Facet], point_count: usize) -> Vec<u32> {
     let mut counts = vec![0_u8; point_count];
     facets.iter().flatten().for_each(|v| counts[*v as usize] = counts[*v as usize].saturating_add(1));
@@ -79,7 +75,6 @@ pub(super) fn sort(facets: &mut Vec<Facet>) {
     *facets = order.into_iter().map(|(_, at)| std::mem::take(&mut facets[at as usize])).collect();
 }
 
-/// Indices of four of the `chosen` points that span space.
 fn spanning(points: &[DVec3], chosen: &[u32]) -> [u32; 4] {
     let positions: Vec<DVec3> = chosen.iter().map(|i| points[*i as usize]).collect();
     match super::rank::spanning_simplex(&positions) {
@@ -106,11 +101,9 @@ struct Face {
 
 struct Builder<'a> {
     points: &'a [DVec3],
-    /// Sides of the box around the chosen points: no two of them are farther from each other along
-    /// any axis.
+    /// Sides of the box around the chosen points.
     size: DVec3,
     faces: Vec<Face>,
-    /// Places of deleted faces.
     free: Vec<u32>,
     /// For each point, the next point of the same face.
     next_point: Vec<u32>,
@@ -169,7 +162,6 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Puts a face into a free place, or appends it.
     fn push_face(&mut self, vertices: [u32; 3], across: [u32; 3]) -> u32 {
         let [a, b, c] = vertices.map(|i| self.point(i));
         let normal = (b - a).cross(c - a);
@@ -225,7 +217,6 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Makes the farthest point of `face` a vertex of the hull.
     fn insert(&mut self, face: u32) {
         let apex = self.faces[face as usize].farthest;
         self.find_visible(face, apex);
@@ -285,7 +276,6 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Merges exactly coplanar faces into facets.
     fn facets(&self) -> Vec<Facet> {
         let mut group = vec![NONE; self.faces.len()];
         let mut facets = Vec::new();
@@ -324,8 +314,7 @@ impl<'a> Builder<'a> {
         self.faces[other as usize].vertices.iter().all(|v| own.contains(v) || self.height_above(face, *v).1 == 0.0)
     }
 
-    /// The polygon around a group of coplanar faces: the edges whose other side is outside the
-    /// group, joined end to end.
+    /// The polygon around a group of coplanar faces: its outer edges joined end to end.
     fn outline(&self, members: &[u32], group: &[u32], name: u32) -> Facet {
         let mut edges: Vec<(u32, u32)> = Vec::new();
         for member in members {
@@ -348,7 +337,6 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// A facet with three vertices.
 fn triangle([a, b, c]: [u32; 3]) -> Facet {
     if a < b && a < c {
         vec![a, b, c]

@@ -4,17 +4,14 @@
 //! 2. Find the point farthest from their line.
 //! 3. Find the point farthest from the plane of these three.
 //!
-//! A set has a lower rank if the farthest point lies within [`FLAT`] of the line or plane. All
-//! other points lie within that distance too, so leaving them out changes a support value by no
-//! more than that.
+//! A set has a lower rank if the farthest point lies within [`FLAT`] of the line or plane, which
+//! bounds the error of leaving the other points out.
 
 use glam::DVec3;
 
-/// Maximum distance from a line or plane, relative to the span of the set, for the set to count as
-/// lying in it.
-///
-/// It is half a unit in the last place of f32 coordinates near 1, the rounding error that rotating
-/// a flat sheet leaves. It is also half of the containment error that [`super::certify`] allows.
+/// Maximum distance from a line or plane, relative to the span, of a set that counts as lying in
+/// it: half a unit in the last place of f32 coordinates near 1, as rotating a flat sheet leaves,
+/// and half of what [`super::certify`] allows.
 pub const FLAT: f64 = 5e-8;
 
 /// Indices of points that span the set: one more than its rank.
@@ -58,7 +55,6 @@ pub fn spanning_simplex(points: &[DVec3]) -> Simplex {
     Simplex::Tetrahedron([a, b, c, d])
 }
 
-/// Index of the first point that maximises `measure`.
 fn farthest(points: &[DVec3], measure: impl Fn(DVec3) -> f64) -> usize {
     let mut best = (0, f64::NEG_INFINITY);
     for (i, p) in points.iter().enumerate() {

@@ -8,18 +8,16 @@ use crate::gauss_map::GaussMap;
 
 /// How far a polygon must reach beyond a plane, in units of u and v, to be listed there.
 ///
-/// A cone that only touches a plane is listed on its own side only. Otherwise, a fan, whose cones
-/// all meet at one point, would be on both sides of every cut through that point. Rounding error
-/// can put a direction this close to the cut on the wrong side. The cone of the vertex found there
-/// is just as close, so the regret is at most about `TOUCH` times the diameter.
+/// A cone that only touches a plane is listed on its own side. Otherwise, cones that meet at one
+/// point would be on both sides of every cut through it. Rounding can put a direction this close to
+/// the cut on the wrong side, where the regret is at most about `TOUCH` times the diameter.
 pub const TOUCH: f64 = 4e-15;
 
 /// Range of sizes in which a polygon is listed wherever it reaches at all.
 ///
-/// Near the line where two planes meet, everything between them is within [`TOUCH`] of both, and
-/// would be listed on neither side. A large polygon reaches out of that region and is listed
-/// outside it. A small one does not, and the error of the vertex listed in its place is as large as
-/// the polygon. Below this range, the error is of the order of [`TOUCH`].
+/// Where two planes meet, everything between them is within [`TOUCH`] of both, and would be listed
+/// on neither side. A large polygon reaches out and is listed outside. The error of omitting a
+/// small one is its size: below this range, of the order of [`TOUCH`].
 const SMALL: std::ops::Range<f64> = 8.0 * TOUCH..1e-6;
 
 /// Distance that a polygon of this size must reach beyond a plane to be listed there.
@@ -103,8 +101,7 @@ impl Cones {
         self.vertices.is_empty()
     }
 
-    /// Number of vertices. It is less than the number of polygons if both pieces of a cone are
-    /// present.
+    /// Number of vertices: fewer than polygons if both pieces of a cone are present.
     pub fn vertex_count(&self) -> usize {
         self.vertices.chunk_by(|a, b| a == b).count()
     }
@@ -134,14 +131,12 @@ impl Cones {
         chosen
     }
 
-    /// Closes the polygon of `vertex`. Its corners are the ones pushed last.
     fn end(&mut self, vertex: u32) {
         self.vertices.push(vertex);
         self.ends.push(self.corners.len() as u32);
     }
 
-    /// Number of cones behind `line` and in front of it. A cone that crosses the line counts on
-    /// both sides.
+    /// Number of cones behind and in front of `line`. A cone across it counts twice.
     pub fn count(&self, line: Line) -> [usize; 2] {
         let mut counts = [0; 2];
         for (_, polygon) in self.iter() {
@@ -179,8 +174,7 @@ impl Cones {
         }
     }
 
-    /// Adds the part of a polygon on one side of a line, or the whole polygon if rounding error
-    /// leaves no part.
+    /// Adds the part of a polygon on one side of a line, or all of it if rounding leaves none.
     fn push_part(&mut self, vertex: u32, polygon: &[[f64; 2]], line: Line, sign: f64) {
         let start = self.corners.len();
         cut(polygon, line, sign, &mut self.corners);
@@ -196,8 +190,7 @@ impl Cones {
     }
 }
 
-/// Whether a polygon reaches behind a line, and in front of it. A polygon too small to reach either
-/// side counts for both.
+/// Whether a polygon reaches behind and in front of a line. A tiny one counts for both.
 fn reach(polygon: &[[f64; 2]], line: Line) -> [bool; 2] {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for p in polygon {
@@ -213,7 +206,6 @@ fn reach(polygon: &[[f64; 2]], line: Line) -> [bool; 2] {
     if behind || front { [behind, front] } else { [true, true] }
 }
 
-/// The longer side of a polygon's bounding rectangle.
 fn size(polygon: &[[f64; 2]]) -> f64 {
     let along = |axis: usize| {
         let of = |start: f64, choose: fn(f64, f64) -> f64| polygon.iter().map(|p| p[axis]).fold(start, choose);
@@ -242,7 +234,6 @@ pub fn cut(polygon: &[[f64; 2]], line: Line, sign: f64, out: &mut Vec<[f64; 2]>)
     }
 }
 
-/// Clips a cone to plane·d ≥ 0. The cone is given by its corner rays in order.
 fn clip_rays(polygon: &[DVec3], plane: DVec3, out: &mut Vec<DVec3>) {
     out.clear();
     let Some(&last) = polygon.last() else { return };

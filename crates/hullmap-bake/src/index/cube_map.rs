@@ -9,11 +9,8 @@ use rayon::prelude::*;
 use super::cones::{Cones, Line, cut};
 use crate::gauss_map::GaussMap;
 
-/// Candidates of each cell, ascending. Cells are ordered by face, then by row, with `resolution`²
-/// cells per face.
-///
-/// # Complexity
-/// O(n + cells), multiplied by the average number of cells that a cone meets.
+/// Ascending candidates of each cell, by face, then by row, with `resolution`² cells per face. O(n
+/// + cells), multiplied by the average number of cells that a cone meets.
 pub fn cells(map: &GaussMap, resolution: u32) -> Vec<Vec<u32>> {
     let faces: Vec<Vec<Vec<u32>>> = (0..6).into_par_iter().map(|face| face_cells(map, face, resolution)).collect();
     faces.into_iter().flatten().collect()
@@ -39,7 +36,6 @@ fn face_cells(map: &GaussMap, face: u32, resolution: u32) -> Vec<Vec<u32>> {
     cells
 }
 
-/// Range of steps that a polygon may meet along an axis.
 fn steps(edges: &[f64], polygon: &[[f64; 2]], axis: usize) -> std::ops::Range<usize> {
     let low = polygon.iter().map(|p| p[axis]).fold(f64::INFINITY, f64::min) - CELL_SLACK;
     let high = polygon.iter().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max) + CELL_SLACK;
@@ -48,9 +44,8 @@ fn steps(edges: &[f64], polygon: &[[f64; 2]], axis: usize) -> std::ops::Range<us
     first..end
 }
 
-/// The part of a polygon between the first two of `edges` along an axis, extended by the overlap.
-/// The overlap ensures that rounding error cannot put a direction into a cell that does not list
-/// its vertex.
+/// The part of a polygon between the first two of `edges` along an axis, and the overlap, so that
+/// rounding cannot put a direction into a cell that does not list its vertex.
 fn band(polygon: &[[f64; 2]], axis: usize, edges: &[f64], out: &mut Vec<[f64; 2]>) {
     let mut upper = Vec::with_capacity(polygon.len() + 1);
     cut(polygon, Line::axis(axis, edges[0]), 1.0, &mut upper);

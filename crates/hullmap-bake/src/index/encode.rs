@@ -18,17 +18,13 @@ use hullmap_format::{
 use super::{fan::Frame, subdivide::Tree};
 use crate::BakeError;
 
-/// Minimum fraction of a branch's slots that must be distinct. A branch gets the maximum number of
-/// bits that satisfies it.
-///
-/// A greater fraction means fewer bits, so more hops and fewer bytes.
+/// Minimum fraction of distinct slots in a branch, which gets the most bits that satisfy it. A
+/// greater fraction means fewer bits: more hops and fewer bytes.
 const MIN_DISTINCT: f64 = 0.4;
 
-/// Three levels of planes are written as one bundle if they divide the cell into at least this many
-/// parts.
+/// Three levels of planes become one bundle if they divide the cell into at least this many parts.
 const BUNDLE_FROM: usize = 5;
 
-/// Trees still to be encoded: the slots that refer to each, and for wedges the frame of their fan.
 type Queue<'a> = VecDeque<(Vec<usize>, &'a Tree, Option<Frame>)>;
 
 /// An encoded index.
@@ -59,8 +55,7 @@ pub fn trees(
 ) -> Result<Encoded, BakeError> {
     let mut encoder = Encoder::new(vertices, leaf_blocks);
     encoder.out.slots = vec![0; roots.len()];
-    // The slots that refer to each tree. Neighbouring slots of one node that hold the same tree
-    // share one entry.
+    // The slots that refer to each tree. Neighbouring slots with the same tree share one entry.
     let mut queue: Queue = roots.iter().enumerate().map(|(at, tree)| (vec![at], tree, None)).collect();
     while let Some((targets, tree, frame)) = queue.pop_front() {
         let slot = match tree {
@@ -101,19 +96,16 @@ fn enqueue<'a>(queue: &mut Queue<'a>, first: usize, slots: &[&'a Tree], frame: i
     }
 }
 
-/// Bits of a branch over `tree`: the maximum that leaves enough of its slots distinct.
 fn branch_bits(tree: &Tree) -> u32 {
     let enough = |bits: &u32| cell_count(tree, 2 * bits) as f64 >= MIN_DISTINCT * f64::from(1 << (2 * bits));
     (1..=MAX_BRANCH_BITS).rev().find(enough).unwrap_or(1)
 }
 
-/// Bits of a fan over `wedges`: the maximum that leaves enough of its slots distinct.
 fn fan_bits(wedges: &Tree) -> u32 {
     let enough = |bits: &u32| wedge_count(wedges, *bits) as f64 >= MIN_DISTINCT * f64::from(1 << bits);
     (0..=fan::MAX_BITS).rev().find(enough).unwrap_or(0)
 }
 
-/// Number of parts into which `levels` halvings divide a fan.
 fn wedge_count(tree: &Tree, levels: u32) -> usize {
     match tree {
         Tree::Wedges(halves) if levels > 0 => halves.iter().map(|half| wedge_count(half, levels - 1)).sum(),
@@ -129,7 +121,6 @@ fn parts(tree: &Tree, bits: u32) -> Vec<&Tree> {
     }
 }
 
-/// Number of cells into which `levels` halvings divide a tree.
 fn cell_count(tree: &Tree, levels: u32) -> usize {
     match tree {
         Tree::Axis(halves) if levels > 0 => halves.iter().map(|half| cell_count(half, levels - 1)).sum(),
@@ -137,15 +128,13 @@ fn cell_count(tree: &Tree, levels: u32) -> usize {
     }
 }
 
-/// The trees in 2ᵇ × 2ᵇ squares of a cell, row by row. A tree that covers several squares is
-/// repeated.
+/// The trees in 2ᵇ × 2ᵇ squares of a cell, row by row, with repetitions.
 fn squares(tree: &Tree, bits: u32) -> Vec<&Tree> {
     let mut out = vec![tree; 1 << (2 * bits)];
     fill(tree, [0, 0], [1 << bits; 2], 0, 1 << bits, &mut out);
     out
 }
 
-/// Fills `size` squares along u and v, starting at `at`. `axis` is the next axis to be halved.
 fn fill<'a>(tree: &'a Tree, at: [usize; 2], size: [usize; 2], axis: usize, row: usize, out: &mut [&'a Tree]) {
     match tree {
         Tree::Axis(halves) if size[axis] > 1 => {
@@ -164,7 +153,6 @@ fn fill<'a>(tree: &'a Tree, at: [usize; 2], size: [usize; 2], axis: usize, row: 
     }
 }
 
-/// Number of parts into which the top `levels` levels of planes divide a tree.
 fn part_count(tree: &Tree, levels: u32) -> usize {
     match tree {
         Tree::Plane(_, halves) if levels > 0 => halves.iter().map(|half| part_count(half, levels - 1)).sum(),
@@ -186,8 +174,7 @@ fn bundle(tree: &Tree) -> ([[f64; 3]; BUNDLE_PLANES], [&Tree; BUNDLE_PARTS]) {
                     normals[first + index] = **normal;
                     below.extend([&halves[0], &halves[1]]);
                 }
-                // No direction lies in front of a missing plane. The slot there repeats the one
-                // behind.
+                // No direction lies in front of a missing plane.
                 _ => below.extend([cell, cell]),
             }
         }
@@ -232,7 +219,6 @@ impl<'a> Encoder<'a> {
         Slot::List(at)
     }
 
-    /// Appends a branch that halves its cell, and queues the two trees below.
     fn halving<'t>(&mut self, halves: &'t [Tree; 2], queue: &mut Queue<'t>) -> Result<Slot, BakeError> {
         let at = self.out.slots.len();
         self.out.slots.extend([0; 2]);
@@ -240,7 +226,6 @@ impl<'a> Encoder<'a> {
         Ok(Slot::Branch(checked(at, PAYLOAD_LIMIT)?))
     }
 
-    /// Appends a branch into squares, and queues the trees below.
     fn branch<'t>(&mut self, tree: &'t Tree, queue: &mut Queue<'t>) -> Result<Slot, BakeError> {
         let at = self.out.slots.len();
         let bits = branch_bits(tree);
@@ -250,7 +235,6 @@ impl<'a> Encoder<'a> {
         Ok(Slot::Branch(Branch { at: checked(at, BRANCH_LIMIT)?, bits }.encode()))
     }
 
-    /// Appends one plane, and queues the trees behind it and in front of it.
     fn plane<'t>(&mut self, normal: [f64; 3], halves: &'t [Tree; 2], queue: &mut Queue<'t>) -> Result<Slot, BakeError> {
         let at = self.out.slots.len();
         self.out.slots.extend(normal.into_iter().flat_map(encode_f64));
@@ -259,7 +243,6 @@ impl<'a> Encoder<'a> {
         Ok(Slot::Plane(checked(at, PLANES_LIMIT)?))
     }
 
-    /// Appends three levels of planes, and queues the trees in their eight parts.
     fn bundle<'t>(&mut self, tree: &'t Tree, queue: &mut Queue<'t>) -> Result<Slot, BakeError> {
         let at = self.out.slots.len();
         let (normals, parts) = bundle(tree);
@@ -274,7 +257,6 @@ impl<'a> Encoder<'a> {
         Ok(Slot::Bundle(checked(at, PLANES_LIMIT)?))
     }
 
-    /// Appends a fan, and queues the trees in its steps.
     fn fan<'t>(&mut self, frame: Frame, wedges: &'t Tree, queue: &mut Queue<'t>) -> Result<Slot, BakeError> {
         let at = self.out.slots.len();
         let bits = fan_bits(wedges);
@@ -289,8 +271,7 @@ impl<'a> Encoder<'a> {
         Ok(Slot::Fan(checked(at, PLANES_LIMIT)?))
     }
 
-    /// Appends blocks of these vertices, at least `least` blocks, and returns the index of the
-    /// first.
+    /// Appends at least `least` blocks of these vertices, and returns the index of the first.
     fn push_blocks(&mut self, list: &[u32], least: usize) -> u32 {
         let first = self.out.blocks.len() as u32;
         let lanes = LANES * list.len().div_ceil(LANES).max(least);
@@ -303,9 +284,8 @@ impl<'a> Encoder<'a> {
     }
 }
 
-/// A list padded to `lanes` entries with an extreme vertex from the far side of the hull, which
-/// does not tie with any vertex of the list. If the list holds all extreme vertices, its last
-/// vertex is repeated.
+/// A list padded to `lanes` entries with an extreme vertex from the hull's far side, which ties
+/// with none of the list; its last vertex if there is none.
 fn padded(list: &[u32], lanes: usize, ends: &[u32], vertices: &[[f32; 3]]) -> Vec<u32> {
     let distance_sq = |a: u32, b: u32| -> f64 {
         let (a, b) = (vertices[a as usize], vertices[b as usize]);
@@ -319,7 +299,6 @@ fn padded(list: &[u32], lanes: usize, ends: &[u32], vertices: &[[f32; 3]]) -> Ve
     out
 }
 
-/// The vertices with the minimum or maximum coordinate along each axis.
 fn ends(vertices: &[[f32; 3]]) -> Vec<u32> {
     let mut ends = Vec::new();
     for axis in 0..3 {

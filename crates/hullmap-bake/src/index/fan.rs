@@ -16,10 +16,9 @@ use hullmap_format::{cube, fan};
 
 use super::cones::{Cones, TOUCH, touch_of};
 
-/// Maximum sine of the angle between the axis and a plane that counts as containing it.
-///
-/// Rounding to f32 tilts the plane between two vertices by 6e-8 times the hull's size over their
-/// distance. That is about this tolerance for a face with 10,000 corners.
+/// Maximum sine of the angle between the axis and a plane that counts as containing it. Rounding to
+/// f32 tilts the plane between two vertices by 6e-8 times the hull's size over their distance:
+/// about this for a face with 10,000 corners.
 const NEAR_AXIS: f64 = 1e-3;
 
 /// Minimum sine of the angle between two planes that determine the axis.
@@ -28,9 +27,8 @@ const LEAST_ANGLE: f64 = 1e-4;
 /// Minimum number of planes that contain the axis.
 const MIN_PLANES: usize = 6;
 
-/// Maximum average number of overlapping intervals. It allows one fan on either side of a prism's
-/// equator, and a little more. A cell with more layers is left to squares or planes, which cut
-/// across the layers.
+/// Maximum average number of overlapping intervals: one fan on either side of a prism's equator,
+/// and a little more. Squares or planes cut across more layers.
 const LAYERS: f64 = 2.7;
 
 /// Number of cones sampled before a fan is built, and the factor by which the layers that they
@@ -102,16 +100,13 @@ pub struct Fan {
     pub frame: Frame,
     /// The intervals, in the order of the polygons. A polygon across the end of the turn has two.
     pub intervals: Vec<Interval>,
-    /// Average number of intervals that cover the middle of an interval, including the interval
-    /// itself.
+    /// Average number of intervals over the middle of an interval, with itself.
     pub layers: f64,
 }
 
 /// Unit direction of the line that the most planes with these normals contain; `None` if too few
-/// planes share a line.
-///
-/// Of lines that lie in equally many planes, the one where two planes meet at the greatest angle is
-/// the most accurate, and is returned.
+/// share a line. In a tie, the line where two planes meet at the greatest angle, which is the most
+/// accurate.
 pub fn axis(normals: &[DVec3]) -> Option<DVec3> {
     let mut best = (MIN_PLANES - 1, 1.0, None);
     for stride in [normals.len() / 2, normals.len() / 3, normals.len() / 5 + 1] {
@@ -137,8 +132,7 @@ impl Fan {
         let middle = cones.iter().flat_map(|(_, polygon)| polygon).map(|&p| direction(face, p)).sum::<DVec3>();
         // Place the end of the turn outside the cell, unless the cell surrounds the axis.
         let x = -(middle - axis * middle.dot(axis)).try_normalize()?;
-        // If the middle lies on the axis, the remaining rounding error may have a component along
-        // the axis.
+        // If the middle lies on the axis, rounding error may have a component along it.
         let x = (x - axis * x.dot(axis)).try_normalize()?;
         let y = axis.cross(x);
         if !Self::is_likely(face, cones, x, y) {
@@ -185,11 +179,9 @@ impl Fan {
     }
 }
 
-/// Minimum and maximum angle over which a polygon reaches by more than [`TOUCH`] (or at all, for a
-/// small polygon: [`touch_of`]).
-///
-/// The minimum is at least −1. A polygon around the axis covers the full turn. Returns `None` if an
-/// edge goes through the axis.
+/// Minimum and maximum angle over which a polygon reaches by more than [`TOUCH`] (or at all if
+/// small: [`touch_of`]). The minimum is at least −1. A polygon around the axis covers the full
+/// turn. `None` if an edge goes through the axis.
 fn angles(face: u32, polygon: &[[f64; 2]], x: DVec3, y: DVec3) -> Option<[f64; 2]> {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     // Angles along the outline, without a jump at the end of the turn.
@@ -202,8 +194,7 @@ fn angles(face: u32, polygon: &[[f64; 2]], x: DVec3, y: DVec3) -> Option<[f64; 2
     let touch = touch_of(polygon.iter().map(|corner| beside(corner).2).fold(0.0, f64::max));
     for corner in polygon {
         let (x, y, distance) = beside(corner);
-        // Skip a corner on the axis, or so close to it that it reaches across no plane through the
-        // axis.
+        // Skip a corner so close to the axis that it reaches across no plane through it.
         if distance <= TOUCH {
             continue;
         }
@@ -232,7 +223,6 @@ fn turn(from: f64, to: f64) -> Option<f64> {
     (way.abs() < HALF_TURN - THROUGH_AXIS).then_some(way)
 }
 
-/// Average number of intervals that cover the middle of an interval, including the interval itself.
 fn layers(intervals: &[Interval]) -> f64 {
     let sorted = |of: fn(&Interval) -> f64| {
         let mut all: Vec<f64> = intervals.iter().map(of).collect();
@@ -276,7 +266,6 @@ mod tests {
     #[test]
     fn angles_of_polygons() {
         assert_near(around_z(&[[0.5, 0.0], [0.5, 0.25], [0.25, 0.25]]), [0.0, 1.0]);
-        // A corner on the axis adds nothing.
         assert_near(around_z(&[[0.0, 0.0], [0.5, 0.0], [0.25, 0.25]]), [0.0, 1.0]);
         assert_near(around_z(&[[-0.5, 0.5], [-0.5, -0.5], [-0.25, -0.5]]), [3.0, 5.5]);
         // Across the end of the turn, at -45 degrees: the angles continue without a jump.
@@ -311,7 +300,6 @@ mod tests {
     fn tiny_polygons_have_an_interval() {
         let tiny = 0.1 * TOUCH;
         assert_eq!(around_z(&[[tiny, 0.0], [0.0, tiny], [-tiny, -tiny]]), Some([0.0; 2]), "on the axis");
-        // Thinner than the tolerance, away from the axis.
         let [low, high] = around_z(&[[0.5, 0.25], [0.5, 0.25 + tiny], [0.5 + tiny, 0.25]]).unwrap();
         assert!(low == high && (low - 0.5).abs() < 1e-12, "{low} {high}");
         // Small and near the axis: everything that it reaches across counts.
@@ -335,13 +323,11 @@ mod tests {
             let distance = rng.unit();
             let normal = frame.plane(position);
             assert!((normal.length() - 1.0).abs() < 1e-15 && normal.dot(x.cross(y)).abs() < 1e-15);
-            // A point on the plane, at the requested position.
             let on = x.cross(y) * rng.between(-1.0, 1.0) + normal.cross(x.cross(y)) * distance;
             let angle = fan::angle(on.dot(x), on.dot(y));
             let turned = angle - frame.start - frame.span * position;
             let off = turned - TURN * (turned / TURN).round();
             assert!(off.abs() < 1e-12 / distance, "{frame:?} {position}");
-            // Greater positions lie in front.
             let beyond = on + normal * 0.1 * distance;
             assert!(fan::angle(beyond.dot(x), beyond.dot(y)) > angle || angle > 6.0);
             let part = frame.part(3, 2);

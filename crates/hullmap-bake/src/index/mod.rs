@@ -86,7 +86,6 @@ pub fn build(hull: &Hull, kind: IndexKind) -> Result<Index, BakeError> {
     first_proven(hull, kind, build_kind)
 }
 
-/// The index of `kind`, or the first simpler one that can be proven.
 fn first_proven(
     hull: &Hull,
     kind: IndexKind,
@@ -100,7 +99,6 @@ fn first_proven(
     }
 }
 
-/// The next simpler kind of index.
 fn simpler(kind: IndexKind) -> Option<IndexKind> {
     match kind {
         IndexKind::Tree | IndexKind::Medium | IndexKind::Compact => Some(IndexKind::Binary),
@@ -143,12 +141,9 @@ fn build_kind(hull: &Hull, kind: IndexKind) -> Result<Index, BakeError> {
     }
 }
 
-/// Maximum number of vertices of a leaf that is not subdivided further. The leaf's blocks hold
-/// `capacity` vertices.
-///
-/// It is less than `capacity`, so that neighbouring leaves can share blocks. Subdividing down to 6
-/// instead of 8 makes an index 5 % smaller. Subdividing down to 20 instead of 32 makes it 10 %
-/// smaller. Below that, the slots cost more than the blocks save.
+/// Maximum number of vertices of a leaf that is not subdivided, below its `capacity` so that
+/// neighbours can share blocks. Going down to 6 instead of 8 makes an index 5 % smaller, and to 20
+/// instead of 32, 10 %. Below that, slots cost more than blocks save.
 fn fine_leaf(capacity: usize) -> usize {
     if capacity == LANES { capacity * 3 / 4 } else { capacity * 5 / 8 }
 }
@@ -159,7 +154,6 @@ fn scan(vertices: &[[f32; 3]]) -> Index {
     Index { kind: IndexKind::None, cost: shape.scan_cost(), encoded, replaces: None }
 }
 
-/// Encodes the trees below the roots and computes the worst-case cost of a query.
 fn finish(hull: &Hull, kind: IndexKind, roots: &[Tree]) -> Result<Index, BakeError> {
     let (branches, leaf_blocks) = (kind.branches(), kind.leaf_blocks());
     let encoded = encode::trees(&hull.vertices, roots, branches, leaf_blocks as usize)?;
@@ -173,8 +167,6 @@ mod tests {
     use super::*;
     use crate::{PointSet, hull};
 
-    /// The binary tree of the paper is the baseline: halves, and planes where halving stalls, but
-    /// no fans.
     #[test]
     fn the_binary_tree_has_no_fans() {
         let positions = shapes::families::prism(2_000, 0);

@@ -3,9 +3,8 @@
 //! The lists of neighbouring cells overlap, and most leaves are not full. An extra vertex in a leaf
 //! costs nothing if it takes a lane that would be idle.
 //!
-//! 1. Leaves are processed in tree order, so that neighbours follow one another. Each leaf joins
-//!    the recent group that shares the most vertices with it and has room for the rest. If there is
-//!    no such group, the leaf starts a new one.
+//! 1. In tree order, so that neighbours follow one another, each leaf joins the recent group that
+//!    shares the most vertices with it and has room for the rest, or else starts a group.
 //! 2. A second pass joins the groups in the same way, whether or not they share a vertex.
 
 use std::collections::VecDeque;
@@ -19,8 +18,7 @@ const WINDOW: usize = 64;
 /// In the second pass, a group is closed if at most 1/`NEARLY_FULL` of its capacity is left.
 const NEARLY_FULL: usize = 8;
 
-/// Replaces each leaf's list of at most `capacity` vertices by the list of its group. Longer lists
-/// are kept.
+/// Replaces each leaf's list of at most `capacity` vertices by the list of its group.
 ///
 /// # Complexity
 /// O(leaves) if each vertex is in few groups, O(leaves · window) if a vertex is in all of them.
@@ -45,25 +43,20 @@ pub fn share(trees: &mut [Tree], capacity: usize) {
 /// Result of joining lists: the group of each list, and the groups.
 type Joined = (Vec<u32>, Vec<Vec<u32>>);
 
-/// A group in the first pass.
 #[derive(Default)]
 struct Overlap {
     vertices: Vec<u32>,
-    /// Number of vertices it shares with the current list.
     shared: u32,
-    /// Time of its last change.
     joined_at: u32,
 }
 
 /// For each vertex, the groups that contain it, most recent first: linked lists in one array.
 struct VertexGroups {
-    /// The last entry of each vertex.
     last: Vec<u32>,
     /// A group, and the entry before it.
     entries: Vec<(u32, u32)>,
 }
 
-/// End of a linked list.
 const END: u32 = u32::MAX;
 
 impl VertexGroups {
@@ -126,11 +119,9 @@ fn join_overlapping<L: AsRef<[u32]>>(lists: &[L], capacity: usize) -> Joined {
     (joined, groups.into_iter().map(|group| group.vertices).collect())
 }
 
-/// Joins groups that have room left, whether or not they share a vertex.
 fn join_any(lists: Vec<Vec<u32>>, capacity: usize) -> Joined {
     let closed = capacity - capacity / NEARLY_FULL;
     let mut groups: Vec<Vec<u32>> = Vec::new();
-    // Groups that may still grow and their signatures, most recent first.
     let mut open: VecDeque<(u32, u128)> = VecDeque::new();
     let mut joined = Vec::with_capacity(lists.len());
     for list in lists {
@@ -227,8 +218,6 @@ mod tests {
         assert!(shared.len() < 30, "{} groups of 68 vertices", shared.len());
     }
 
-    /// Lists that share no vertex are joined if they fit together. A nearly full list is left
-    /// alone.
     #[test]
     fn the_second_pass_joins_disjoint_lists() {
         let lists = vec![vec![0, 1, 2], vec![10, 11, 12], vec![20, 21], (30..37).collect(), vec![40], vec![50, 51, 52]];
@@ -237,7 +226,6 @@ mod tests {
         let (of_list, groups) = join_any(lists.clone(), 8);
         assert_eq!(of_list, [0, 0, 0, 1, 2, 2]);
         assert_eq!(groups, [vec![0, 1, 2, 10, 11, 12, 20, 21], (30..37).collect(), vec![40, 50, 51, 52]]);
-        // The same result after both passes over a tree.
         let mut tree = lists.iter().cloned().map(Tree::Leaf).reduce(|a, b| Tree::Axis(Box::new([a, b]))).unwrap();
         share(std::slice::from_mut(&mut tree), 8);
         let mut at = 0;

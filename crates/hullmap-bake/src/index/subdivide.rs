@@ -6,19 +6,17 @@
 //!    steps of the fan are halved until each is a leaf. Where halving no longer separates cones,
 //!    planes continue.
 //! 3. Any other cell is halved, alternately across u and across v.
-//! 4. Where halving hardly separates the cones, the cell becomes a fan even if it is small. If its
+//! 4. Where halving barely separates the cones, the cell becomes a fan even if it is small. If its
 //!    cones do not form a fan, a plane between two of them cuts the cell, and planes cut everything
 //!    below it.
 //!
 //! Deviations from the paper:
-//! - The paper stops where a cell's corners share their support vertex, or at a depth limit, and
-//!   may then return a wrong vertex. Here, a leaf lists every vertex whose cone reaches into the
-//!   cell by more than a tolerance ([`super::cones`]), so the regret is bounded. A cell whose
-//!   corners share their support vertex is simply a leaf of one.
+//! - It stops where a cell's corners share their support vertex, or at a depth limit, and may
+//!   return a wrong vertex. Here, a leaf lists every vertex whose cone reaches into the cell by
+//!   more than a tolerance ([`super::cones`]), so the regret is bounded.
 //! - [`super::packing`] lets leaves share blocks afterwards; then a leaf may list more vertices.
-//! - Steps 2 and 4 are new; [`Cuts`] turns fans off, as in the paper's tree. The cones around a
-//!   face with many corners, or along a prism's side, are long and thin. Separating n of them takes
-//!   n² squares.
+//! - Steps 2 and 4 are new; [`Cuts`] turns fans off, as in the paper's tree. Separating n of the
+//!   thin cones around a face with many corners, or along a prism's side, takes n² squares.
 
 use glam::DVec3;
 use hullmap_format::cube::{self, GRID_BITS, grid_to_uv};
@@ -37,8 +35,7 @@ const MAX_HALVINGS: u32 = 18;
 /// separates cones badly if it lists more than this constant times √k, plus one, twice.
 const GOOD_HALVING: f64 = 2.0;
 
-/// Maximum number of cones that a plane may list twice, relative to halving, for the plane to be
-/// preferred to the grid.
+/// Maximum number of cones that a plane may list twice to be preferred to halving, relative to it.
 const GOOD_PLANE: f64 = 0.5;
 
 /// Maximum number of futile halvings on one path. After that, only planes cut.
@@ -51,8 +48,7 @@ const FUTILE: f64 = 0.9;
 const PLANE_SAMPLES: usize = 8;
 const PLANES_OF_VERTEX: usize = 3;
 
-/// Minimum fraction of the cones, and at least one cone, that a plane must keep out of its fuller
-/// side.
+/// Minimum fraction of the cones, and at least one, that a plane must keep out of its fuller side.
 const PROGRESS: f64 = 0.1;
 
 /// Minimum number of cones of a fan, in multiples of the leaf size.
@@ -65,7 +61,7 @@ const FAN_FIRST: usize = 16;
 /// Maximum number of consecutive halvings of a fan that separate nothing. After that, planes cut.
 const FUTILE_WEDGES: u32 = 5;
 
-/// Cells with more cones than this are subdivided in parallel.
+/// Number of cones above which a cell is subdivided in parallel.
 const PARALLEL_FROM: usize = 512;
 
 /// A subdivided cell. A large hull has millions of them, so that all but the leaves are boxed.
@@ -93,10 +89,8 @@ pub enum Cuts {
     FansAndPlanes,
 }
 
-/// Subdivides one face of the cube.
-///
-/// A cell that meets the cones of at most `leaf` vertices is not subdivided further. The result
-/// does not depend on the number of threads.
+/// Subdivides one face of the cube, down to cells that meet the cones of at most `leaf` vertices.
+/// The result does not depend on the number of threads.
 ///
 /// # Complexity
 /// O(n log n) for n vertices on all families tried.
@@ -111,7 +105,6 @@ struct Subdivision<'a> {
     cuts: Cuts,
 }
 
-/// A fan that is being subdivided.
 struct Wedges<'a> {
     cones: &'a Cones,
     frame: Frame,
@@ -124,8 +117,7 @@ struct Wedges<'a> {
 }
 
 impl Subdivision<'_> {
-    /// Subdivides the cell at grid position `at`, after `depth` halvings, `futile` of which were
-    /// futile.
+    /// Subdivides the cell at grid position `at`, after `depth` halvings, `futile` of them futile.
     fn cell(&self, cones: Cones, at: [u32; 2], depth: u32, futile: u32) -> Tree {
         if cones.vertex_count() <= self.leaf {
             return Tree::Leaf(cones.into_vertices());
@@ -161,7 +153,6 @@ impl Subdivision<'_> {
         Tree::Axis(Box::new(halves.into()))
     }
 
-    /// Subdivides a cell by planes, or as a fan.
     fn planes(&self, cones: Cones) -> Tree {
         if cones.vertex_count() <= self.leaf {
             return Tree::Leaf(cones.into_vertices());
@@ -182,7 +173,6 @@ impl Subdivision<'_> {
         Tree::Plane(Box::new(normal.to_array()), Box::new(halves.into()))
     }
 
-    /// The cell as a fan, if its cones lie side by side.
     fn fan(&self, cones: &Cones) -> Option<Tree> {
         if self.cuts == Cuts::Planes || cones.len() < FAN_FROM * self.leaf {
             return None;
@@ -195,8 +185,7 @@ impl Subdivision<'_> {
         Some(if matches!(root, Tree::Wedges(_)) { Tree::Fan(Box::new(fan.frame), Box::new(root)) } else { root })
     }
 
-    /// Halves a range of a fan's positions until few enough cones are left. `intervals` are those
-    /// that meet `positions`.
+    /// Halves a range of a fan's positions until few enough of its `intervals` are left.
     fn wedges(&self, fan: &Wedges, intervals: &[Interval], positions: [f64; 2], futile: u32) -> Tree {
         let mut list: Vec<u32> = intervals.iter().map(|i| i.vertex).collect();
         list.dedup();
@@ -228,8 +217,7 @@ impl Subdivision<'_> {
         Tree::Wedges(Box::new([half(0), half(1)]))
     }
 
-    /// Of the vertices of these cones, the support vertex where an axis goes through the cube's
-    /// face.
+    /// The support vertex among these cones' vertices where an axis goes through the cube's face.
     fn support(&self, cones: &Cones, axis: DVec3) -> u32 {
         let towards = DVec3::from_array(cube::direction(self.face, 0.0, 0.0));
         let axis = if axis.dot(towards) < 0.0 { -axis } else { axis };
@@ -237,7 +225,6 @@ impl Subdivision<'_> {
         cones.vertices.iter().copied().max_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or(0)
     }
 
-    /// Normals of a sample of the planes between neighbouring cones of this cell.
     fn samples<'b>(&'b self, cones: &'b Cones) -> impl Iterator<Item = DVec3> + 'b {
         sample(&cones.vertices, PLANE_SAMPLES).flat_map(move |vertex| {
             let neighbours = self.map.neighbours(vertex).iter().copied();
@@ -247,8 +234,8 @@ impl Subdivision<'_> {
         })
     }
 
-    /// Of a sample of planes between cones of this cell, the one whose fuller side has the fewest
-    /// cones, and the number of cones that it lists twice.
+    /// The sampled plane between cones whose fuller side has the fewest, and the number that it
+    /// lists twice.
     fn best_plane(&self, cones: &Cones) -> Option<(DVec3, usize)> {
         let least = ((PROGRESS * cones.len() as f64) as usize).max(1);
         let mut fullest = cones.len() - least + 1;
@@ -264,7 +251,6 @@ impl Subdivision<'_> {
     }
 }
 
-/// At most `max_count` entries of `all`, evenly spaced.
 fn sample(all: &[u32], max_count: usize) -> impl Iterator<Item = u32> + '_ {
     let count = all.len().min(max_count);
     (0..count).map(move |i| all[(2 * i + 1) * all.len() / (2 * count)])

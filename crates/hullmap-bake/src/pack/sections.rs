@@ -1,8 +1,5 @@
-//! The sections of a pack, each of which is freed as soon as it is serialised.
-//!
-//! The archive has the layout of [`Pack`]: the same fields, in the same order. A pack of a million
-//! vertices takes half as much memory to write this way, because the sections and their archive are
-//! never both complete.
+//! The sections of a pack, each freed as soon as it is serialised, with the archive layout of
+//! [`Pack`]. Writing a pack of a million vertices takes half as much memory this way.
 
 use std::cell::Cell;
 
@@ -19,7 +16,6 @@ struct Section<T>(Cell<Vec<T>>);
 
 impl<T: Archive> Archive for Section<T> {
     type Archived = ArchivedVec<T::Archived>;
-    /// Place and length of the list.
     type Resolver = (VecResolver, usize);
 
     fn resolve(&self, (place, len): Self::Resolver, out: Place<Self::Archived>) {
@@ -71,13 +67,11 @@ pub struct ExtendedSections {
 }
 
 impl ExtendedSections {
-    /// The sections of a pack, and records of voids and primitives.
     pub fn new(pack: Pack, voids: Vec<VoidsRecord>, primitives: Vec<PrimitiveRecord>) -> Self {
         Self { voids: section(voids), primitives: section(primitives), pack: Sections::from(pack) }
     }
 }
 
-/// The sections that all packs have come first.
 impl<S> Serialize<S> for ExtendedSections
 where
     S: Fallible + Allocator + Writer + ?Sized,

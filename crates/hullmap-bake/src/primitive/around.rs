@@ -65,7 +65,6 @@ fn sides(radius: f64, excess: f64) -> usize {
     count.clamp(least, most).next_multiple_of(4)
 }
 
-/// A regular polygon around a circle at this height.
 fn ring(radius: f64, z: f64, sides: usize) -> impl Iterator<Item = DVec3> {
     let step = 2.0 * PI / sides as f64;
     let outer = radius / libm::cos(0.5 * step);

@@ -14,7 +14,6 @@ use hullmap_format::PrimitiveKind;
 use super::shape::Primitive;
 use crate::decompose::partition::{body::Body, cuts};
 
-/// Number of large faces whose normals are tried as axes.
 const FACES: usize = 10;
 
 /// Number of steps towards the farthest point.
@@ -56,13 +55,11 @@ fn axes(body: &Body) -> Vec<DVec3> {
     axes
 }
 
-/// The frame with z along `axis`, and y at right angles to `other`.
 fn frame(axis: DVec3, other: DVec3) -> Option<DQuat> {
     let y = axis.cross(other).try_normalize()?;
     Some(DQuat::from_mat3(&DMat3::from_cols(y.cross(axis).normalize(), y, axis)).normalize())
 }
 
-/// Minimum and maximum of the points in a frame.
 fn extent(points: &[DVec3], rotation: DQuat) -> [DVec3; 2] {
     let back = rotation.inverse();
     points.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| {
@@ -115,7 +112,7 @@ fn capsule(points: &[DVec3], axis: DVec3, margin: f64) -> Option<Primitive> {
     Some(Primitive { kind: PrimitiveKind::Capsule, center, rotation, sizes: [radius + margin, half + margin, 0.0] })
 }
 
-/// Centre and radius of a ball around points that is hardly larger than the smallest one.
+/// Centre and radius of a nearly smallest ball around points.
 fn smallest_ball(points: &[DVec3], start: DVec3) -> (DVec3, f64) {
     let farthest = |center: DVec3| {
         let from = |p: &DVec3| p.distance_squared(center);

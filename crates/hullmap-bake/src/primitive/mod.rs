@@ -1,11 +1,5 @@
-//! Primitives that replace parts: a box, a sphere, a capsule or a cylinder where both bounds of the
-//! part hold for it, too.
-//!
-//! | file | concept |
-//! |---|---|
-//! | `shape` | a primitive, and its points |
-//! | [`candidates`] | the smallest primitives of each kind around points |
-//! | [`around`] | polytopes around primitives |
+//! Primitives that replace parts: a box, a sphere, a capsule or a cylinder within both bounds of
+//! the part.
 //!
 //! # Steps
 //! 1. Clip the mesh's triangles by the planes of the part, moved outward by what the parts leave
@@ -15,11 +9,10 @@
 //!    the limit.
 //!
 //! # Why the bounds hold
-//! - *Cover.* A primitive is convex, so it contains a piece whose corners it contains. Each point
-//!   of the surface is in a part to within what the parts leave uncovered. So it is in a piece of
-//!   some part, and in the primitive that replaces that part.
-//! - *Protrusion.* The polytope contains the primitive: the primitive's support point along the
-//!   normal of each face is behind the face. The polytope is measured like any part.
+//! - *Cover.* Each point of the surface is in a part, to within what the parts leave uncovered, so
+//!   in a piece of some part. A convex primitive contains the piece whose corners it contains.
+//! - *Protrusion.* The polytope contains the primitive, whose support point along each face's
+//!   normal is behind the face. It is measured like any part.
 //!
 //! Overlap and voids are measured on the hulls, not on the primitives.
 
@@ -63,7 +56,7 @@ pub struct PrimitiveLimits {
     pub protrusion: f64,
     /// Whether a primitive contains all of its part, so that no voids arise.
     pub contains_part: bool,
-    /// When no more primitives are sought.
+    /// Time after which no more primitives are searched for.
     pub deadline: Option<Deadline>,
 }
 
@@ -92,8 +85,7 @@ pub fn primitives(
     parts.par_iter().zip(fits).map(replaced).collect()
 }
 
-/// The corners of all pieces of the mesh's surface that are in a part, or at most `uncovered`
-/// outside.
+/// The corners of all pieces of the mesh's surface that are at most `uncovered` outside a part.
 pub fn contained(mesh: &PointSet, part: &Hull, uncovered: f64, diagonal: f64) -> Vec<DVec3> {
     let room = uncovered + MARGIN * diagonal;
     let planes: Vec<_> = planes::half_spaces(part).into_iter().map(|plane| plane.moved(room)).collect();
@@ -113,7 +105,6 @@ pub fn contained(mesh: &PointSet, part: &Hull, uncovered: f64, diagonal: f64) ->
     points
 }
 
-/// The smallest primitive around points that is within the limits.
 fn of_points(solid: &Solid, points: &[DVec3], limits: &PrimitiveLimits) -> Option<ProvenPrimitive> {
     let diagonal = solid.diagonal();
     let body = Body::new(points, 0.0);

@@ -6,7 +6,7 @@ use hullmap_format::PrimitiveKind;
 /// A box, a sphere, a capsule or a cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Primitive {
-    /// What it is.
+    /// Its kind.
     pub kind: PrimitiveKind,
     /// Its centre.
     pub center: DVec3,

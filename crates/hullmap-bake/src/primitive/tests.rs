@@ -19,7 +19,6 @@ use crate::{
 
 const SEED: u64 = 43;
 
-/// Points that are drawn on each surface.
 const POINTS: usize = 1_500;
 
 fn turned(mesh: &Mesh) -> PointSet {
@@ -38,15 +37,12 @@ fn corners(mesh: &PointSet, triangle: &[u32; 3]) -> [DVec3; 3] {
     triangle.map(|v| DVec3::from_array(mesh.positions[v as usize].map(f64::from)))
 }
 
-/// The distance of a point from a segment.
 fn from_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
     let along = b - a;
     let t = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
     p.distance(a + along * t)
 }
 
-/// The distance of a point from a triangle: from its plane if it is above the triangle, else from
-/// its sides.
 fn from_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     let normal = (b - a).cross(c - a).normalize_or_zero();
     let is_above = [(a, b), (b, c), (c, a)].iter().all(|(u, v)| (*v - *u).cross(p - *u).dot(normal) >= 0.0);
@@ -56,7 +52,6 @@ fn from_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     from_segment(p, a, b).min(from_segment(p, b, c)).min(from_segment(p, c, a))
 }
 
-/// The distance of a point from the solid of a closed mesh.
 fn from_solid(mesh: &PointSet, p: DVec3) -> f64 {
     let angle = |triangle: &[u32; 3]| {
         let [a, b, c] = corners(mesh, triangle).map(|corner| corner - p);
@@ -69,7 +64,6 @@ fn from_solid(mesh: &PointSet, p: DVec3) -> f64 {
     mesh.triangles.iter().map(|triangle| from_triangle(p, corners(mesh, triangle))).fold(f64::INFINITY, f64::min)
 }
 
-/// A point on the surface of a primitive, by its definition.
 fn on_surface(rng: &mut SplitMix64, primitive: &Primitive) -> DVec3 {
     let mut unit = || 2.0 * rng.unit() - 1.0;
     let direction = DVec3::new(unit(), unit(), unit()).normalize_or(DVec3::X);
@@ -90,7 +84,6 @@ fn on_surface(rng: &mut SplitMix64, primitive: &Primitive) -> DVec3 {
     primitive.center + primitive.rotation * local
 }
 
-/// The kinds of primitives of a mesh's parts, after a judgement by points.
 fn judged(name: &str, mesh: &PointSet, error: f64) -> Vec<Option<PrimitiveKind>> {
     let cover = Cover { max_error: Length::Relative(error), ..Cover::default() };
     let parts: Vec<Hull> = match decompose(mesh, &cover).unwrap() {
@@ -130,7 +123,6 @@ fn judged(name: &str, mesh: &PointSet, error: f64) -> Vec<Option<PrimitiveKind>>
     found.iter().map(|proven| proven.map(|proven| proven.primitive.kind)).collect()
 }
 
-/// Profile of a body of revolution with a round end at each height.
 fn rounded(half: f64, steps: usize) -> Vec<[f64; 2]> {
     let angle = |k: usize| std::f64::consts::PI * (k as f64 / (2 * steps + 1) as f64 - 0.5);
     let ring = |k: usize| [libm::cos(angle(k)), libm::sin(angle(k)) + if k <= steps { -half } else { half }];
@@ -152,7 +144,6 @@ fn bodies_of_one_primitive_are_found() {
     }
 }
 
-/// A slab on four legs of different heights, each a shell of its own.
 fn table() -> Mesh {
     let slab = |low: [f64; 3], high: [f64; 3]| {
         let outline = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]];
@@ -174,7 +165,6 @@ fn a_table_of_boxes_becomes_boxes() {
     assert_eq!(judged("table", &turned(&table()), 0.01), [Some(PrimitiveKind::Box); 5]);
 }
 
-/// A ring of rounded section is in no primitive that stays near it.
 #[test]
 #[ignore = "takes long; .ci/nightly runs it"]
 fn pieces_of_a_ring_stay_hulls() {

@@ -2,17 +2,15 @@
 //! at a time, without cutting into the hull.
 //!
 //! # Steps
-//! 1. Take the edge that can be replaced by the point nearest to the hull. That point lies outside
-//!    all triangles at both ends of the edge, so that the convex hull of the other vertices and the
-//!    point contains everything the surface contained. Alternating projections find it: the nearest
-//!    point outside the triangles to a point of the hull, then the nearest point of the hull to
-//!    that, and so on.
+//! 1. Take the edge whose replacement by a point outside all triangles at its ends, so that the
+//!    convex hull of the other vertices and the point contains the surface, is nearest to the hull.
+//!    Alternating projections find the point: from the hull to the nearest point outside the
+//!    triangles, back to the hull, and so on.
 //! 2. Replace the edge.
 //! 3. Move the new vertex and its neighbours as near to the hull as possible. They must keep the
 //!    hull inside, but no longer the previous surface.
-//! 4. The edges around them have changed. They are queued with lower bounds of their distances.
-//!    Distances are computed when the bounds reach the front of the queue. By then, most of the
-//!    edges are gone. Distances of other changed edges are updated when they reach the front.
+//! 4. Queue the changed edges with lower bounds of their distances, which are computed when they
+//!    reach the front. By then, most of these edges are gone.
 //!
 //! # Reference
 //! Sander et al., "Silhouette clipping", 2000 (progressive hulls).
@@ -44,8 +42,7 @@ const TURNS: usize = 3;
 /// The projections continue only if the distance falls below this fraction of the best so far.
 const WORTH_A_TURN: f64 = 0.98;
 
-/// Maximum number of sweeps over all vertices. The third improves distances by less than a
-/// hundredth.
+/// Maximum number of sweeps over all vertices. The third improves distances by under a hundredth.
 const SWEEPS: usize = 4;
 
 /// A vertex moves only if its distance falls below this fraction.
@@ -58,7 +55,7 @@ const WORTH_A_MOVE: f64 = 1e-8;
 /// Maximum number of times a plane turns about an edge until it touches the hull. Seven are common.
 const MAX_TURNS_OF_A_PLANE: usize = 100;
 
-/// The same, from a vertex that is nearly touched. Two are common.
+/// Maximum number of turns from a nearly touched vertex; two are common.
 const FEW_TURNS: usize = 16;
 
 /// Minimum distance of a touched vertex from the edge, relative to the largest such distance, for
@@ -79,9 +76,8 @@ const DEPTHS: [f64; 4] = [0.5, 0.12, 0.03, 0.008];
 /// the tolerance of [`nearest_to_origin`].
 const INSIDE_A_PLANE: f64 = 1e-9;
 
-/// Initial margin by which a new point lies outside the triangles it replaces, relative to the
-/// largest coordinate. It is several hundred units of rounding error, so that exact predicates see
-/// the point outside.
+/// Initial distance of a new point outside the triangles it replaces, relative to the largest
+/// coordinate: several hundred roundings, so that exact predicates agree.
 const OUTSIDE: f64 = 1e-13;
 
 /// Number of margins tried, each 100 times the previous one, before an edge is skipped.
@@ -95,7 +91,6 @@ const FIRST_LOOK: usize = 64;
 pub struct Collapse<'a> {
     nearest: &'a Nearest,
     surface: Surface,
-    /// A vertex of the hull near each vertex of the surface.
     feet: Vec<u32>,
     queue: BinaryHeap<Reverse<Entry>>,
     /// Edges whose distances are not known yet, by the indices in their entries.
@@ -106,7 +101,6 @@ pub struct Collapse<'a> {
     queued: usize,
     scale: f64,
     diameter: f64,
-    /// A point strictly inside the hull.
     inside: DVec3,
 }
 
@@ -124,13 +118,10 @@ struct Entry {
     pending: u32,
 }
 
-/// Copy of the data that determines the distance of an edge, because the surface may change before
-/// the distance is computed.
+/// Copy of what determines an edge's distance: the surface may change before it is computed.
 struct Pending {
-    /// Normals of the triangles at both ends, and points on them.
     planes: Vec<(DVec3, DVec3)>,
     middle: DVec3,
-    /// A vertex of the hull near the edge.
     foot: u32,
     ends: [u32; 2],
     changes: u32,
@@ -143,7 +134,7 @@ impl<'a> Collapse<'a> {
         Self::with_pending(nearest, wrapped, diameter, MAX_PENDING)
     }
 
-    /// The same with another maximum number of edges with bounds. It changes no result.
+    /// As [`Self::new`], with another maximum number of edges with bounds, which changes no result.
     fn with_pending(
         nearest: &'a Nearest,
         Wrapped { surface, feet }: Wrapped,
@@ -188,9 +179,7 @@ impl<'a> Collapse<'a> {
     }
 
     /// Replaces the edge that costs the least, and moves the vertices around it nearer to the hull.
-    ///
-    /// Returns false, without changes, if no edge can be replaced by a point within `reach` of the
-    /// hull.
+    /// Returns false, without changes, if no edge can be replaced within `reach` of the hull.
     pub fn step(&mut self, reach: f64) -> bool {
         let new = self.replace_nearest(reach);
         new.into_iter().for_each(|new| self.settle_around(new));
@@ -236,7 +225,6 @@ impl<'a> Collapse<'a> {
         Some(Entry { distance, is_known: true, ends, changes, is_first_look, pending: 0 })
     }
 
-    /// An edge, with every `stride`-th triangle at its ends.
     fn edge(&self, ends: [u32; 2], stride: usize) -> Pending {
         let corners = ends.map(|end| self.surface.point(end));
         let around = ends
@@ -244,11 +232,7 @@ impl<'a> Collapse<'a> {
             .zip(corners)
             .flat_map(|(end, corner)| self.surface.normals_around(end).map(move |normal| (normal, corner)));
         Pending {
-            planes: around
-                .step_by(stride)
-                // Skip a sliver without a normal. Its neighbours have normals.
-                .filter(|(normal, _)| *normal != DVec3::ZERO)
-                .collect(),
+            planes: around.step_by(stride).filter(|(normal, _)| *normal != DVec3::ZERO).collect(),
             middle: (corners[0] + corners[1]) * 0.5,
             foot: self.feet[ends[0] as usize],
             ends,
@@ -286,8 +270,7 @@ impl<'a> Collapse<'a> {
         }
     }
 
-    /// Whether another edge may be pending. From time to time, those that are gone are removed.
-    /// They never return, because new edges end at new vertices.
+    /// Whether another edge may be pending. Now and then removes edges that are gone for good.
     fn has_room(&mut self) -> bool {
         self.queued += 1;
         if self.pending.len() >= self.max_pending && self.queued >= self.max_pending / 2 {
@@ -301,8 +284,7 @@ impl<'a> Collapse<'a> {
         self.pending.len() < self.max_pending
     }
 
-    /// A lower bound of the distance that [`place`](Self::place) finds; `None` if there is no good
-    /// one.
+    /// A lower bound of the distance that [`place`](Self::place) finds, if there is a good one.
     ///
     /// A point p outside of planes with unit normals n and offsets o satisfies n·p ≥ o. For any
     /// weights w ≥ 0 and v = Σ w n, it satisfies v·p ≥ Σ w o. Every point h of the hull satisfies
@@ -364,7 +346,7 @@ impl<'a> Collapse<'a> {
         best
     }
 
-    /// The same for all triangles. Exact predicates confirm that the point is outside.
+    /// As [`Self::place`], confirmed by exact predicates.
     fn place_outside(&self, ends: [u32; 2]) -> Option<Place> {
         let edge = self.edge(ends, 1);
         (0..MAX_TRIES).find_map(|tried| {
@@ -373,7 +355,6 @@ impl<'a> Collapse<'a> {
         })
     }
 
-    /// Replaces the edge at `end` by `place`, and returns the index of the new vertex.
     fn replace(&mut self, end: u32, place: Place) -> Option<u32> {
         let new = self.surface.insert(place.point, self.surface.triangle_at(end))?;
         self.feet.push(place.foot);
@@ -382,7 +363,6 @@ impl<'a> Collapse<'a> {
         Some(new)
     }
 
-    /// Moves `vertex` and its neighbours as near to the hull as possible.
     fn settle_around(&mut self, vertex: u32) {
         let mut moved = vec![vertex];
         moved.extend(self.surface.around(vertex).map(|[b, _]| b));
@@ -407,11 +387,9 @@ impl<'a> Collapse<'a> {
         }
     }
 
-    /// Moves a vertex as near to the hull as possible if the surface stays convex. Returns whether
-    /// it moved.
-    ///
-    /// The vertex must stay outside the planes that touch the hull and contain an edge opposite the
-    /// vertex. The hull then lies behind the planes of all triangles at the vertex.
+    /// Moves a vertex as near to the hull as possible if the surface stays convex, and returns
+    /// whether it moved. It must stay outside the planes that touch the hull at the edges opposite
+    /// it, so that the hull lies behind all its triangles.
     fn settle(&mut self, vertex: u32) -> bool {
         let margin = OUTSIDE * self.scale;
         let at = self.surface.point(vertex);
@@ -450,14 +428,12 @@ impl<'a> Collapse<'a> {
         false
     }
 
-    /// The plane through `b` and `c` that touches the hull, with the search starting at hull vertex
-    /// `start`. Returns the plane's normal, which points away from the hull, and a point on the
-    /// plane.
+    /// The plane through `b` and `c` that touches the hull, searched for from hull vertex `start`:
+    /// its normal, away from the hull, and a point.
     fn touching(&self, b: DVec3, c: DVec3, start: u32) -> (DVec3, DVec3) {
         self.touching_from(b, c, start).unwrap_or_else(|| self.touching_from_inside(b, c, start))
     }
 
-    /// Turns the plane from the middle of the hull until it touches.
     fn touching_from_inside(&self, b: DVec3, c: DVec3, start: u32) -> (DVec3, DVec3) {
         let (mut normal, mut through, mut foot) = (DVec3::ZERO, self.inside, start);
         for _ in 0..MAX_TURNS_OF_A_PLANE {
@@ -471,12 +447,11 @@ impl<'a> Collapse<'a> {
         (normal, through)
     }
 
-    /// The same from vertex `start` of the hull, which takes fewer turns; `None` if it is not
-    /// certain that both find the same plane.
-    ///
-    /// The plane depends only on the vertex that it touches last. Let r be a vertex' distance from
-    /// the line through b and c, R the maximum r, and φ the angle by which the plane has to turn
-    /// to the touched vertex v. All other vertices are below the plane by at least the gap D.
+    /// The touching plane from vertex `start` of the hull, in fewer turns; `None` unless both
+    /// certainly find the same plane, which depends only on the last vertex touched. Let r be a
+    /// vertex' distance from the line through b and c, R the maximum r, and φ the angle by which
+    /// the plane has to turn to the touched vertex v. All other vertices are below the plane by at
+    /// least the gap D.
     ///
     /// - No other plane is the end. A plane through another vertex has φ ≥ D / R, so v is above it
     ///   by at least r D / R. That must be far above all tolerances.
@@ -505,13 +480,10 @@ impl<'a> Collapse<'a> {
     }
 }
 
-/// A point that may replace an edge.
 #[derive(Clone, Copy)]
 struct Place {
     point: DVec3,
-    /// A vertex of the hull near the point.
     foot: u32,
-    /// Distance of the point from the hull.
     distance: f64,
 }
 
@@ -535,7 +507,6 @@ mod tests {
         hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).unwrap()
     }
 
-    /// A wrap of at most `max_vertices`, or the hull itself.
     fn start(hull: &Hull, nearest: &Nearest, max_vertices: usize) -> Wrapped {
         let wrapped = (1..12)
             .find_map(|step| wrap(nearest, hull.diameter, hull.diameter * 1e-4 * 3_f64.powi(step), max_vertices));
@@ -575,7 +546,6 @@ mod tests {
         assert!(good > 2_000, "{good} of {all}");
     }
 
-    /// Bounds and the maximum number of edges with bounds change no bit of the surface.
     #[test]
     fn pending_edges_change_nothing() {
         for family in FAMILIES {

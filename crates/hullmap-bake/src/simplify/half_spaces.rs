@@ -1,12 +1,10 @@
-//! Quadratic program (dual active set): the point nearest to the origin in an intersection of
-//! half-spaces.
+//! Quadratic program (dual active set): the point nearest to the origin in half-spaces.
 //!
 //! # Steps
 //! 1. Start at the origin, with an empty set of active planes.
-//! 2. Take the plane that is violated most. From it and the active planes, choose the at most three
-//!    planes that determine the nearest point of all their half-spaces. They become the active set.
-//! 3. Repeat until no plane is violated. The distance grows with every step, so no active set
-//!    occurs twice.
+//! 2. Take the plane that is violated most. The new active set is the at most three of it and the
+//!    active planes that determine the nearest point of all their half-spaces.
+//! 3. Repeat until no plane is violated. The distance grows, so no active set occurs twice.
 //!
 //! # Reference
 //! Sharir, Welzl, "A combinatorial bound for linear programming and related problems", 1992 (the
@@ -31,15 +29,13 @@ const MAX_STEPS: usize = 100;
 /// point's distance from the origin and the plane's offset.
 const SLACK: f64 = 1e-13;
 
-/// The same, for a point computed from planes at small angles.
+/// Rounding error of a point that is computed from planes at small angles.
 const AMPLIFIED: f64 = 1e-11;
 
-/// The same, if nearly parallel planes stop the search. The remaining violation is a thousandth of
-/// the error of rounding to f32.
+/// Violation after a search that nearly parallel planes stop: a thousandth of f32's rounding.
 const LIMIT: f64 = 1e-10;
 
-/// Square of the sine below which planes count as parallel. Their common line or point would be
-/// rounding error.
+/// Squared sine below which planes count as parallel: their intersection is rounding error.
 const PARALLEL: f64 = 1e-20;
 
 /// The point nearest to the origin in all `half_spaces`; `None` if they have no common point within
@@ -99,8 +95,7 @@ pub fn nearest_with_planes(half_spaces: &[HalfSpace], reach: f64) -> Option<Near
         let step = with(&held[..count], violated);
         let progress = step.filter(|(nearest, ..)| nearest.length_squared() > x.length_squared());
         let Some((nearest, kept, kept_count)) = progress else {
-            // Accept a violation at the limit of rounding error. Otherwise, the planes have no
-            // common point.
+            // Accept rounding error; otherwise, the planes have no common point.
             let is_rounding = worst.0 <= LIMIT * (violated.offset.abs() + x.length());
             return is_rounding.then_some(NearestPoint { point: x, planes: held, count });
         };
@@ -113,8 +108,7 @@ pub fn nearest_with_planes(half_spaces: &[HalfSpace], reach: f64) -> Option<Near
     None
 }
 
-/// The nearest point in the half-spaces of `held` and `new`, and the planes it lies on, including
-/// `new`.
+/// The nearest point in the half-spaces of `held` and `new`, and its planes, with `new`.
 fn with(held: &[HalfSpace], new: HalfSpace) -> Option<(DVec3, [HalfSpace; 3], usize)> {
     let mut best: Option<(DVec3, [HalfSpace; 3], usize)> = None;
     // Every choice of at most two active planes.
@@ -145,9 +139,8 @@ fn with(held: &[HalfSpace], new: HalfSpace) -> Option<(DVec3, [HalfSpace; 3], us
     best
 }
 
-/// The point nearest to the origin on all `planes`, of which there are one to three.
-///
-/// Returns `None` if their half-spaces contain a nearer point, or if the planes are parallel.
+/// The point nearest to the origin on one to three `planes`; `None` if their half-spaces contain a
+/// nearer point, or if they are parallel.
 fn on_planes(planes: &[HalfSpace]) -> Option<DVec3> {
     match planes {
         [a] => (a.offset >= 0.0).then(|| a.normal * a.offset),
@@ -179,7 +172,6 @@ mod tests {
 
     use super::*;
 
-    /// The slow twin: all sets of up to three planes.
     fn slow(half_spaces: &[HalfSpace]) -> Option<DVec3> {
         let mut best: Option<DVec3> = None;
         let all = half_spaces.len();

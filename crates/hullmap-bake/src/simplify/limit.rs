@@ -3,11 +3,9 @@
 /// How far to simplify a hull.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {
-    /// Maximum number of vertices, at least [`MIN_VERTICES`]. The result is as near to the hull as
-    /// the search finds.
+    /// Maximum number of vertices, at least [`MIN_VERTICES`]; as near to the hull as found.
     Vertices(usize),
-    /// Maximum distance from the hull, in the points' units. The result has as few vertices as the
-    /// search finds.
+    /// Maximum distance from the hull, in the points' units; with as few vertices as found.
     Distance(f64),
 }
 

@@ -1,13 +1,4 @@
-//! Simplified hulls: a convex hull with fewer vertices that contains a given hull and exceeds it by
-//! at most a given distance.
-//!
-//! | file | concept |
-//! |---|---|
-//! | [`wrap`](mod@wrap) | polytope of few vertices, all at one distance from the hull |
-//! | [`collapse`] | edge collapse |
-//! | [`surface`] | the triangulated surface that both modify |
-//! | [`nearest`], [`half_spaces`] | nearest points of a hull, of half-spaces |
-//! | [`polygon`] | simplified flat hulls |
+//! Simplified hulls: a hull with fewer vertices that contains a given hull, within a distance.
 //!
 //! # Steps
 //! 1. Wrap the hull at many distances. Take the nearest wrap within the vertex limit, or the wrap
@@ -16,9 +7,8 @@
 //!    two results. With 24 or more vertices, the polytope of [`outer`](mod@crate::outer) is a third
 //!    candidate. Wraps are nearer on round shapes, collapses mostly on shapes with large faces.
 //! 3. Push each vertex outward by more than rounding to f32 can move it back. Exact predicates
-//!    certify that the result contains the whole hull.
-//! 4. Measure the distance of the rounded vertices, with a search over all vertices of the hull.
-//!    The distance from a convex set is a convex function, so its maximum is at a vertex.
+//!    certify that the result contains the hull.
+//! 4. Measure the rounded vertices, where the convex distance from the hull has its maximum.
 
 use glam::DVec3;
 
@@ -45,31 +35,25 @@ use rounding::{MAX_TRIES, PUSH, ROUNDING};
 use surface::Surface;
 use wrap::{Wrapped, wrap};
 
-/// Number of vertices at which a collapse starts, relative to the number at which it ends. A ratio
-/// of sixteen gave no better results.
+/// Ratio of the vertices at which a collapse starts and ends. Sixteen gave no better results.
 const FINER: usize = 8;
 
 /// Maximum distance of a wrap, in diameters. At this distance, four vertices suffice.
 const MAX_DISTANCE: f64 = 128.0;
 
-/// Maximum number of bisections of the range of distances.
 const HALVINGS: usize = 28;
 
 /// Number of smaller distances tried after the bisection, in steps of 1 %. The vertex count of a
 /// wrap is not monotonic in its distance.
 const NEARER: usize = 24;
 
-/// A hull with fewer vertices that contains `hull`, within the limit.
-///
-/// Returns `None` if `hull` already satisfies the limit, or if no hull with fewer vertices is found
-/// within a distance limit. Points and segments are never simplified. The result depends only on
-/// the arguments.
+/// A hull with fewer vertices that contains `hull`, within the limit. `None` if `hull` already
+/// satisfies it, or if a distance limit allows none. Points and segments are never simplified.
 ///
 /// # Errors
-/// - [`BakeError::TooFewVertices`] if the limit is below [`MIN_VERTICES`] vertices.
-/// - [`BakeError::InvalidDistance`] if the distance is negative or NaN.
-/// - [`BakeError::NotSimplified`] if no hull is found within a vertex limit, because rounding to
-///   f32 defeats all candidates.
+/// [`BakeError::TooFewVertices`] below [`MIN_VERTICES`]; [`BakeError::InvalidDistance`] for a
+/// negative distance or NaN; [`BakeError::NotSimplified`] if rounding to f32 defeats all candidates
+/// within a vertex limit.
 ///
 /// # Complexity
 /// About a hundred nearest-point searches per vertex of the result. Each step of the final
@@ -145,7 +129,6 @@ fn solid(hull: &Hull, limit: Limit) -> Option<Simplified> {
     }
 }
 
-/// The nearest wrap found with at most `max_vertices` vertices.
 fn fewest_by_wrap(nearest: &Nearest, hull: &Hull, max_vertices: usize) -> Option<Surface> {
     let try_at = |distance: f64| wrap(nearest, hull.diameter, distance, max_vertices).map(|wrapped| wrapped.surface);
     let (mut low, mut high) = (0.0, MAX_DISTANCE * hull.diameter);
@@ -164,8 +147,7 @@ fn fewest_by_wrap(nearest: &Nearest, hull: &Hull, max_vertices: usize) -> Option
     nearer.find_map(try_at).or(best)
 }
 
-/// A larger wrap, or the hull itself, collapsed to at most `max_vertices` vertices, or as far as
-/// `reach` allows.
+/// A larger wrap, or the hull, collapsed to `max_vertices` vertices, or as far as `reach` allows.
 fn collapsed(nearest: &Nearest, hull: &Hull, max_vertices: usize, reach: f64) -> Option<Surface> {
     let start = if hull.vertices.len() <= FINER * max_vertices {
         Wrapped { surface: Surface::new(hull), feet: (0..hull.vertices.len() as u32).collect() }
@@ -191,7 +173,6 @@ fn collapsed(nearest: &Nearest, hull: &Hull, max_vertices: usize, reach: f64) ->
     Some(collapse.into_surface())
 }
 
-/// The surface's vertices, pushed outward and rounded to f32, as a hull that contains `hull`.
 fn write(surface: &Surface, hull: &Hull, nearest: &Nearest) -> Option<Simplified> {
     let scale = surface.vertices().fold(0.0, |scale: f64, (_, p)| scale.max(p.abs().max_element()));
     let positions = hull.positions();
@@ -210,7 +191,6 @@ fn write(surface: &Surface, hull: &Hull, nearest: &Nearest) -> Option<Simplified
     })
 }
 
-/// The hull of `points`, which contains `hull`, with both errors measured.
 fn measured(points: Vec<[f32; 3]>, hull: &Hull, nearest: &Nearest) -> Option<Simplified> {
     let mut outer = hull::of_positions(points)?;
     outer.containment_error = hull::certify::certify(&outer, &hull.positions()).ok()?;

@@ -12,39 +12,34 @@
 //! in three-dimensional space", 1988.
 //!
 //! # Deviations
-//! - It is a search of its own, not the solver's: the bytes of packs depend on how it rounds, and
-//!   the baker does not depend on the runtime.
-//! - Support vertices are found by hill climbing over the edges, starting at the previous support
-//!   vertex. Climbing may stop at a plateau caused by rounding error. The answer is then still a
-//!   point of the hull, and is nearest except in the last digits. [`Nearest::certain`] searches all
-//!   vertices instead, unless one of them is certainly the farthest.
+//! - It is not the solver's: the bytes of packs depend on how it rounds, and the baker does not
+//!   depend on the runtime.
+//! - Support vertices are found by hill climbing from the previous one. At a plateau of rounding
+//!   error, the answer is nearest except in the last digits. [`Nearest::certain`] searches all
+//!   vertices unless one is certainly the farthest.
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::hull::{Hull, adjacency::Adjacency};
 
-/// Maximum number of steps, after which the best point so far is returned. Three to eight are
-/// common.
+/// Maximum number of steps, after which the best point is returned; three to eight are common.
 const MAX_STEPS: usize = 60;
 
-/// The search ends when the next support vertex lies farther in the search direction by less than
-/// this, relative to the largest coordinate.
+/// Minimum gain of a support vertex in the search direction, relative to the largest coordinate.
 const PROGRESS: f64 = 1e-14;
 
 /// Number of climbing steps after which a sample of the vertices is searched. Ten are common.
 const LONG_WAY: usize = 24;
 
-/// Difference between two heights, relative to the largest coordinate and the sum of the
-/// direction's coordinates, that is certainly not rounding error. It is ten times the bound on
-/// that.
+/// Difference of heights, relative to the largest coordinate and the sum of the direction's
+/// coordinates, that is certain: ten times the bound on rounding error.
 const CERTAIN: f64 = 1e-14;
 
 /// Twice the rounding error of a height, in the same unit, with a margin of a half: three products
 /// and two sums round at most three times each.
 const ROUNDING: f64 = 1e-15;
 
-/// Number of times the plane through a flat vertex is tilted.
 const TILTS: usize = 24;
 
 /// Minimum number of vertices of a hull with a guide. Climbs of a smaller one are short.
@@ -59,14 +54,11 @@ const MAX_CELLS: usize = 256;
 /// Maximum number of steps of a guided climb. One or two are common.
 const GUIDED_STEPS: usize = 16;
 
-/// Minimum depth of a hull's flattest vertex, relative to the largest coordinate, for the hull to
-/// have a guide.
+/// Minimum depth of the flattest vertex of a hull with a guide, relative to the largest coordinate.
 const LEAST_DEPTH: f64 = 1e-11;
 
-/// Bits of the Morton curve for each axis.
 const MORTON_BITS: u32 = 10;
 
-/// Number of sampled vertices whose heights are computed together.
 const TOGETHER: usize = 8;
 
 /// A hull prepared for nearest-point searches.
@@ -77,10 +69,8 @@ pub struct Nearest {
     places: Vec<u32>,
     /// For each place, the start of its run in `around`; then the end of the last one.
     starts: Vec<u32>,
-    /// For each place, its vertex, then the neighbours in ascending order of their vertices, so
-    /// that a step reads one run of memory.
+    /// For each place, its vertex, then its neighbours by ascending vertex: one run of memory.
     around: Vec<Corner>,
-    /// Coordinates of every `stride`-th vertex by axis.
     samples: [Vec<f64>; 3],
     stride: usize,
     scale: f64,
@@ -100,18 +90,15 @@ pub struct Nearest {
 /// - No edge at x ascends by more than twice the error E, so v is higher than x by at most
 ///   2 E L / η. But it is higher by at least D.
 struct Guide {
-    /// Cells along the edge of the cube.
     resolution: usize,
     starts: Vec<u32>,
-    /// Value of D, relative to the largest coordinate and the sum of the direction's coordinates,
-    /// above which every climb ends at the same vertex.
+    /// Value of D above which every climb ends at the same vertex, in the unit of [`CERTAIN`].
     certain: f64,
 }
 
 #[derive(Clone, Copy)]
 struct Corner {
     position: [f32; 3],
-    /// In the first corner of a run, its vertex; in all others, the place.
     index: u32,
 }
 
@@ -190,12 +177,10 @@ impl Nearest {
         Some(Guide { resolution, starts, certain: ROUNDING * (1.0 + hull.diameter / depth) })
     }
 
-    /// Minimum over all vertices of the least distance by which an edge descends from a plane
-    /// through the vertex.
-    ///
-    /// Any plane will do. It starts at right angles to the mean of the normals of the faces around
-    /// the vertex, and is tilted away from the edge that descends the least: next to a short edge,
-    /// that makes the vertex a hundred times as deep.
+    /// The depth of the flattest vertex: the least distance by which an edge descends from a plane
+    /// through the vertex. The plane starts at right angles to the mean normal of the faces, and is
+    /// tilted away from the edge that descends the least, which makes a vertex at a short edge a
+    /// hundred times as deep.
     fn least_depth(&self, hull: &Hull) -> f64 {
         let mut normals = vec![DVec3::ZERO; self.points.len()];
         for face in &hull.faces {
@@ -205,7 +190,6 @@ impl Nearest {
         }
         let depth_of = |v: usize| {
             let point = self.points[v];
-            // The least depth, and the direction of its edge.
             let least = |normal: DVec3| {
                 let edges = self.neighbours(self.places[v]).iter().map(|w| w.position() - point);
                 edges.fold((f64::INFINITY, DVec3::ZERO), |least, edge| {
@@ -230,7 +214,6 @@ impl Nearest {
         (0..self.points.len()).into_par_iter().map(depth_of).reduce(|| f64::INFINITY, f64::min)
     }
 
-    /// The run of a place: its vertex, then the neighbours.
     fn run(&self, place: u32) -> &[Corner] {
         let [start, end] = [0, 1].map(|next| self.starts[place as usize + next] as usize);
         &self.around[start..end]
@@ -240,7 +223,6 @@ impl Nearest {
         &self.run(place)[1..]
     }
 
-    /// Position of the vertex at a place.
     fn position(&self, place: u32) -> DVec3 {
         self.around[self.starts[place as usize] as usize].position()
     }
@@ -309,8 +291,7 @@ impl Nearest {
         self.vertex_at(self.climb_from(direction, self.places[from as usize]))
     }
 
-    /// The support vertex in `direction`, and how much higher it is than all others; `None` if that
-    /// is not certain.
+    /// The certain support vertex in `direction`, and how much higher it is than all others.
     pub fn certain_climb(&self, direction: DVec3) -> Option<(u32, f64)> {
         self.guided(direction).map(|(place, lower)| (self.vertex_at(place), lower))
     }
@@ -321,12 +302,9 @@ impl Nearest {
         self.guide.as_ref().map_or(f64::INFINITY, |guide| guide.certain * self.scale * 3_f64.sqrt())
     }
 
-    /// The same, for places.
-    ///
-    /// A long climb continues from the best of a sample of the vertices, because climbing around a
-    /// face with ten thousand corners would otherwise take as many steps. A climb that ends is also
-    /// continued once from the sample, because rounding error can hide the ascent among vertices
-    /// that are close together.
+    /// As [`Self::climb`], for places. A long climb continues from the best of a sample, since a
+    /// face with ten thousand corners would take as many steps. One that ends is also continued
+    /// once from the sample, because rounding can hide the ascent among vertices close together.
     fn climb_from(&self, direction: DVec3, from: u32) -> u32 {
         if let Some((place, _)) = self.guided(direction) {
             return place;
@@ -385,7 +363,6 @@ impl Nearest {
         }
     }
 
-    /// The place of the first of the vertices that are farthest in `direction`.
     fn farthest(&self, direction: DVec3) -> u32 {
         self.guided(direction).map_or_else(|| self.scan(direction), |(place, _)| place)
     }
@@ -420,7 +397,6 @@ impl Nearest {
         let mut simplex = [self.places[start as usize]; 4];
         let mut count = 1;
         let mut point = self.vertex(start);
-        // The corners relative to the target.
         let mut corners = [point - target; 4];
         for _ in 0..MAX_STEPS {
             let towards = target - point;
@@ -472,12 +448,8 @@ fn along_morton_curve(points: &[DVec3]) -> Vec<u32> {
 }
 
 /// The point of a simplex nearest to the origin, and the smallest face that contains it, as a bit
-/// for each corner. The simplex has corner `new`, which lies farther in the search direction than
-/// all others, and the corners before it. So the face always contains corner `new`.
-///
-/// Returns `None` if numbers overflow.
-///
-/// Faces are tried in the order of their bits; of equally near points, the first counts.
+/// per corner. The face always contains corner `new`, which lies farther in the search direction
+/// than all others. `None` on overflow. Ties go to the face with the lowest bits.
 fn nearest_face(corners: &[DVec3; 4], new: usize) -> Option<(DVec3, u32)> {
     let [a, b, c, _] = *corners;
     let n = corners[new];
@@ -510,7 +482,6 @@ fn nearest_face(corners: &[DVec3; 4], new: usize) -> Option<(DVec3, u32)> {
     (best.face != 0).then_some((best.point, best.face))
 }
 
-/// The nearest point so far.
 struct Best {
     distance: f64,
     point: DVec3,
@@ -535,9 +506,8 @@ fn on_segment(a: DVec3, along: DVec3) -> Option<DVec3> {
     (0.0..=1.0).contains(&t).then(|| a + along * t)
 }
 
-/// The point nearest to the origin in the plane of a triangle, if it lies in the triangle.
-///
-/// `crosses` are the cross products of the corners: of `a` and `b`, of `b` and `c`, of `a` and `c`.
+/// The point nearest to the origin in the plane of a triangle, if it lies in the triangle. `ab`,
+/// `bc` and `ac` are cross products of the corners.
 #[inline(always)]
 fn on_triangle(a: DVec3, normal: DVec3, [ab, bc, ac]: [DVec3; 3]) -> Option<DVec3> {
     let area = normal.length_squared();
@@ -557,8 +527,7 @@ mod tests {
     use super::*;
     use crate::{PointSet, hull};
 
-    /// The point nearest to the origin in the plane or line of the corners, if it lies between
-    /// them.
+    /// The point nearest to the origin in the plane or line of the corners, if between them.
     fn inside_face(corners: &[DVec3]) -> Option<DVec3> {
         match *corners {
             [a] => Some(a),
@@ -583,7 +552,6 @@ mod tests {
         }
     }
 
-    /// The slow twin of `nearest_face`: all faces, one like the other.
     fn slow_face(corners: &[DVec3]) -> Option<(DVec3, u32)> {
         let (new, others) = corners.split_last().unwrap();
         let mut best: Option<(f64, DVec3, u32)> = None;
@@ -599,8 +567,7 @@ mod tests {
         best.map(|(_, point, face)| (point, face))
     }
 
-    /// The slow twin: the nearest point on all faces. Any triangulation will do, so each face is
-    /// cut into a triangle fan.
+    /// The slow twin: the nearest point on all faces, as triangle fans.
     fn slow(hull: &Hull, target: DVec3) -> f64 {
         let points = hull.positions();
         let mut best = f64::INFINITY;
@@ -624,7 +591,6 @@ mod tests {
         })
     }
 
-    /// The slow twin of `climb`: one vertex after the other, and the sample whenever a climb ends.
     fn slow_climb(hull: &Hull, neighbours: &[Vec<u32>], direction: DVec3, from: u32) -> u32 {
         let points = hull.positions();
         let mut best = (points[from as usize].dot(direction), from);
@@ -658,7 +624,6 @@ mod tests {
         best.1
     }
 
-    /// Corners in general position, in a plane, on a line, and equal ones; near and far.
     #[test]
     fn nearest_faces_match_the_slow_twin() {
         const SEED: u64 = 12;
@@ -710,7 +675,6 @@ mod tests {
                 let points = hull.positions();
                 for round in 0..600 {
                     let mut any = || points[rng.below(points.len())];
-                    // Random directions, normals and edges: the latter have ties.
                     let direction = match round % 3 {
                         0 => DVec3::from_array(rng.direction()),
                         1 => (any() - any()).cross(any() - any()),
@@ -728,7 +692,6 @@ mod tests {
         assert!(guided > 2_000, "{guided}");
     }
 
-    /// A vertex of the hull in a random direction.
     fn on_surface(nearest: &Nearest, rng: &mut SplitMix64) -> DVec3 {
         nearest.position(nearest.farthest(DVec3::from_array(rng.direction())))
     }
@@ -754,8 +717,7 @@ mod tests {
                 let target = on
                     + (on - nearest.middle()) * (far - 1.0)
                     + DVec3::from_array(rng.direction()) * (far - 1.0) * 0.02 * hull.diameter;
-                // A thin hull may contain some of the points. Their distance is 0, not the distance
-                // from the faces.
+                // Inside a thin hull, the distance is 0.
                 if is_inside(&hull, target) {
                     continue;
                 }

@@ -2,13 +2,11 @@
 //! they meet.
 //!
 //! # Steps
-//! 1. Replace an edge by the intersection of the lines of its two neighbours. The new polygon
-//!    contains the old one. The edge whose new vertex lies nearest to the hull goes first.
-//! 2. Push the vertices outward in the plane by more than rounding to f32 can move them back, and
-//!    round them.
+//! 1. Replace an edge by the intersection of its neighbours' lines, which contains the old polygon.
+//!    The edge with the new vertex nearest to the hull goes first.
+//! 2. Push the vertices outward in the plane by more than rounding to f32, and round them.
 //!
-//! Rounding also moves vertices out of the plane. The result therefore contains the hull except for
-//! its containment error, as for every flat hull.
+//! Rounding also moves vertices out of the plane, by the containment error of any flat hull.
 
 use std::{cmp::Reverse, collections::BinaryHeap};
 
@@ -18,13 +16,10 @@ use super::limit::Limit;
 use super::rounding::{MAX_TRIES, PUSH, ROUNDING, Simplified};
 use crate::hull::{self, Hull, area::area_vector};
 
-/// Minimum number of corners of a polygon.
 const MIN_VERTICES: usize = 3;
 
-/// A flat hull with fewer vertices, within the limit; `None` if none is found.
-///
-/// # Complexity
-/// O(n log n) on typical polygons, plus O(n) for each vertex of the result.
+/// A flat hull with fewer vertices, within the limit, if one is found. O(n log n) on typical
+/// polygons, plus O(n) for each vertex of the result.
 pub fn simplify(hull: &Hull, limit: Limit) -> Option<Simplified> {
     let positions = hull.positions();
     let ring: Vec<DVec3> = hull.faces[0].iter().map(|v| positions[*v as usize]).collect();
@@ -71,7 +66,6 @@ fn outline(ring: &[DVec3], normal: DVec3, max_vertices: usize, reach: f64) -> Ve
     let mut is_left = vec![true; count];
     let mut changes = vec![0_u32; count];
     let along = |line: usize| ring[(line + 1) % count] - ring[line];
-    // The intersection of two lines, if it lies in front of the first.
     let meet = |a: usize, b: usize| {
         let turn = along(a).cross(along(b)).dot(normal);
         let t = (ring[b] - ring[a]).cross(along(b)).dot(normal) / turn;
@@ -124,7 +118,6 @@ fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
     p.distance(a + along * t)
 }
 
-/// Distance of a point near the polygon's plane from the polygon.
 fn distance_to_polygon(p: DVec3, ring: &[DVec3], normal: DVec3) -> f64 {
     let sides = || ring.iter().zip(ring.iter().cycle().skip(1));
     let is_inside = sides().all(|(a, b)| (*b - *a).cross(p - *a).dot(normal) >= 0.0);

@@ -1,9 +1,6 @@
-//! Triangulated surface of a convex polytope, to which points outside can be added (incremental
-//! hull).
-//!
-//! Exact predicates decide which points are outside, as in
-//! [`hull::quickhull`](crate::hull::quickhull). The surface therefore stays the surface of a convex
-//! polytope for any points.
+//! Triangulated surface of a convex polytope, to which outside points can be added (incremental
+//! hull). Exact predicates decide, as in [`hull::quickhull`](crate::hull::quickhull), so that it
+//! stays convex.
 
 use glam::DVec3;
 
@@ -20,12 +17,10 @@ pub struct Surface {
     triangles: Vec<Triangle>,
     /// Normal of each triangle. Stored, because it costs as much as a step of a search.
     normals: Vec<Normal>,
-    /// Places of deleted triangles.
     free: Vec<u32>,
     /// One triangle at each vertex; `NONE` for a deleted vertex.
     at: Vec<u32>,
     live: usize,
-    /// Number of changes at each vertex.
     changes: Vec<u32>,
 }
 
@@ -37,10 +32,8 @@ struct Triangle {
     across: [u32; 3],
 }
 
-/// Unit outward normal of a triangle; zero if the triangle is degenerate.
 #[derive(Clone, Copy)]
 struct Normal {
-    /// With the corners in their stored order.
     unit: DVec3,
     /// Whether its last digits depend on which corner comes first.
     depends_on_first: bool,
@@ -54,8 +47,7 @@ impl Normal {
 }
 
 impl Surface {
-    /// The surface of `hull`, which must be solid. Faces are triangulated in a zigzag, so that no
-    /// vertex gains many edges.
+    /// The surface of solid `hull`, triangulated in a zigzag so that no vertex gains many edges.
     pub fn new(hull: &Hull) -> Self {
         let points = hull.positions();
         let mut corners: Vec<[u32; 3]> = Vec::new();
@@ -130,7 +122,6 @@ impl Surface {
         self.fan(vertex).map(|(_, others)| others)
     }
 
-    /// The same, each with the triangle's index.
     fn fan(&self, vertex: u32) -> impl Iterator<Item = (u32, [u32; 2])> + '_ {
         let first = self.at[vertex as usize];
         let mut next = first;
@@ -185,8 +176,7 @@ impl Surface {
         }
     }
 
-    /// Corners of a triangle, counter-clockwise seen from outside. Places of deleted triangles are
-    /// reused.
+    /// Corners of a triangle, counter-clockwise seen from outside. Its place may be reused.
     pub fn corners(&self, triangle: u32) -> [u32; 3] {
         self.triangles[triangle as usize].corners
     }
@@ -247,11 +237,9 @@ impl Surface {
         true
     }
 
-    /// Adds a point, and removes the triangles that it sees: the result is the surface of the
-    /// convex hull with the point. Exact.
-    ///
-    /// Returns the new vertex's index. Returns `None`, without changes, if the point is not outside
-    /// triangle `start`, or if the triangles that it sees have no simple boundary.
+    /// Adds a point, and removes the triangles that it sees: the exact convex hull with the point.
+    /// Returns the new vertex's index; `None`, without changes, if the point is not outside
+    /// triangle `start`, or if what it sees has no simple boundary.
     pub fn insert(&mut self, p: DVec3, start: u32) -> Option<u32> {
         let Visible { triangles, corners, horizon } = self.visible_from(p, start)?;
         let new = self.points.len() as u32;
@@ -271,8 +259,7 @@ impl Surface {
         Some(new)
     }
 
-    /// The triangles that a point sees, from `start` on. `None` if it does not see `start`, or if
-    /// their boundary is not a single loop.
+    /// The triangles that a point sees, from `start` on, if their boundary is a single loop.
     fn visible_from(&self, p: DVec3, start: u32) -> Option<Visible> {
         if !self.is_above(p, self.triangles[start as usize].corners) {
             return None;
@@ -298,8 +285,7 @@ impl Surface {
         }
         found.corners.sort_unstable();
         found.corners.dedup();
-        // The visible part of a convex surface is a disc. The fan that replaces it requires its
-        // boundary to be a single loop.
+        // The visible part is a disc; the fan that replaces it requires a single loop as boundary.
         let horizon = &mut found.horizon;
         horizon.sort_unstable();
         let is_loop = horizon.windows(2).all(|pair| pair[0].0 != pair[1].0)
@@ -307,7 +293,6 @@ impl Surface {
         is_loop.then_some(found)
     }
 
-    /// Adds a triangle from each edge of the horizon to the vertex `new`.
     fn add_fan(&mut self, new: u32, horizon: &[(u32, u32, u32)]) {
         let fan: Vec<u32> = horizon
             .iter()
@@ -327,7 +312,6 @@ impl Surface {
         self.at[new as usize] = fan[0];
     }
 
-    /// Puts a triangle into a free place, or appends it.
     fn add_triangle(&mut self, triangle: Triangle) -> u32 {
         let normal = Normal::new(triangle.corners.map(|v| self.point(v)));
         match self.free.pop() {
@@ -349,10 +333,8 @@ fn normals(triangles: &[Triangle], points: &[DVec3]) -> Vec<Normal> {
     triangles.iter().map(|triangle| Normal::new(triangle.corners.map(|v| points[v as usize]))).collect()
 }
 
-/// The part of a surface that is visible from a point outside it.
 struct Visible {
     triangles: Vec<u32>,
-    /// Corners of the triangles, ascending.
     corners: Vec<u32>,
     /// Edges around the triangles, each with the triangle outside, ascending by their starts.
     horizon: Vec<(u32, u32, u32)>,
@@ -380,7 +362,6 @@ mod tests {
             let mut surface = Surface::tetrahedron(corners);
             for _ in 0..60 {
                 let mut p = DVec3::from_array(rng.direction()) * rng.between(0.5, 1.5);
-                // Sides of equal lengths, and thin triangles.
                 if round % 2 == 0 {
                     p = (p * 4.0).round() * 0.25;
                 }

@@ -1,5 +1,4 @@
-//! Tests simplified hulls by independent means: support values for containment, and nearest points
-//! for the distance.
+//! Tests simplified hulls by independent means: support values, and nearest points.
 
 use shapes::{families::Family, rng::SplitMix64};
 
@@ -15,8 +14,7 @@ fn reach(hull: &Hull, direction: DVec3) -> f64 {
     hull.positions().iter().map(|p| p.dot(direction)).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Checks with support values that the simplified hull contains `hull`, and exceeds it by no more
-/// than the reported error.
+/// Checks that the simplified hull contains `hull`, within the reported error.
 fn assert_promise(name: &str, hull: &Hull, simplified: &Simplified, seed: u64) {
     let mut rng = SplitMix64::new(seed);
     let rounding = 1e-13 * hull.diameter + 1e-15 * hull.positions().iter().fold(0.0, |s: f64, p| s.max(p.length()));

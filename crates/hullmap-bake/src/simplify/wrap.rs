@@ -11,8 +11,7 @@
 //! (estimate refinement), applied to the body of all points within the distance.
 //!
 //! # Deviations
-//! - The algorithm ends when the *hull* is inside, not when the larger body is nearly inside. The
-//!   gap between the two bodies is what saves vertices.
+//! - The algorithm ends when the *hull* is inside, not the larger body. The gap saves vertices.
 
 use std::collections::BinaryHeap;
 
@@ -70,7 +69,6 @@ pub fn wrap(nearest: &Nearest, diameter: f64, distance: f64, max_vertices: usize
 }
 
 impl Wrapped {
-    /// The protrusion of the hull beyond a triangle, and the hull vertex that protrudes most.
     fn stands_out(&self, nearest: &Nearest, triangle: u32) -> (f64, u32) {
         let corners = self.surface.corners(triangle);
         let normal = self.surface.normal_of(triangle);

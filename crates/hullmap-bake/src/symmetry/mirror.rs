@@ -11,8 +11,7 @@ use crate::{fit::planes::HalfSpace, number::short};
 pub struct Mirror {
     /// Its plane. The half-space is the other side; the own side is above the plane.
     pub plane: HalfSpace,
-    /// Greatest distance of a point from the reflection of its image; 0 if coordinates match
-    /// exactly.
+    /// Greatest distance of a point from the reflection of its image; 0 if exact.
     pub error: f64,
 }
 
@@ -37,8 +36,7 @@ impl Mirror {
         0.5 * (p + self.image(p))
     }
 
-    /// Whether reflections of stored points need no rounding: about a coordinate plane through the
-    /// origin.
+    /// Whether reflections of stored points are exact: about a coordinate plane through the origin.
     pub fn is_exact(&self) -> bool {
         self.plane.offset == 0.0 && self.axis().is_some()
     }
@@ -50,7 +48,6 @@ impl Mirror {
 }
 
 impl fmt::Display for Mirror {
-    /// `x = 0`, or the equation of a plane that is at right angles to no axis.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let HalfSpace { normal, offset } = self.plane;
         match self.axis() {

@@ -1,13 +1,6 @@
 //! Mirror symmetry: the plane about which a mesh, or a set of parts, is symmetric.
 //!
-//! | file | concept |
-//! |---|---|
-//! | `mirror` | a plane, and reflections about it |
-//! | `search` | the mirror plane of a set of points |
-//! | this one | meshes and parts that are symmetric about a plane |
-//!
-//! Everything is found from coordinates, so the symmetry of any pack can be determined, whatever
-//! tool made its parts.
+//! Coordinates decide, so it applies to any pack, whatever tool made its parts.
 
 mod mirror;
 mod search;
@@ -29,11 +22,9 @@ const MAX_ROUNDED: usize = 1024;
 /// Maximum number of triangles whose reflections are compared with the surface.
 const MAX_TRIANGLES: usize = 4096;
 
-/// The mirror plane of a mesh, whose solid is `solid`; `None` if there is none.
-///
-/// Each vertex has another within rounding of its reflection, and the reflections of triangles lie
-/// on the surface. Of several planes, a coordinate plane is preferred, and of those the one across
-/// which the mesh is longest.
+/// The mirror plane of a mesh, whose solid is `solid`. Each vertex has another within rounding of
+/// its reflection, and reflected triangles lie on the surface. Coordinate planes are preferred,
+/// then the one across which the mesh is longest.
 ///
 /// # Complexity
 /// O(n log n) for n vertices and triangles.
@@ -67,7 +58,6 @@ pub fn mirror_of_parts(parts: &[&[[f32; 3]]]) -> Option<Mirror> {
     search::mirrors(&points).into_iter().find(|mirror| are_mirrored(parts, mirror))
 }
 
-/// Whether each of `parts` is the mirror image of another, or of itself.
 fn are_mirrored(parts: &[&[[f32; 3]]], mirror: &Mirror) -> bool {
     let sorted = |mut points: Vec<[u32; 3]>| {
         points.sort_unstable();
@@ -83,8 +73,7 @@ fn are_mirrored(parts: &[&[[f32; 3]]], mirror: &Mirror) -> bool {
     !mirror.is_exact() && parts.len() <= MAX_ROUNDED && are_nearly_mirrored(parts, mirror)
 }
 
-/// Whether each part has another, or itself, whose vertices are the reflections of its own within
-/// rounding.
+/// As [`are_mirrored`], within rounding.
 fn are_nearly_mirrored(parts: &[&[[f32; 3]]], mirror: &Mirror) -> bool {
     let points: Vec<[f32; 3]> = parts.concat();
     let tolerance = search::tolerance(&points);

@@ -7,8 +7,8 @@
 //!    farthest from the line of both to one that is as far from the line, at the same height.
 //! 2. Reflect each point, and look it up in a grid whose cells have the size of rounding errors.
 //!
-//! Planes at right angles to an axis come first, the one across the longest side of the box before
-//! the others. Others are sought only if there are none of these.
+//! Planes across axes come first, and the longest side before the others. Others are searched for
+//! only without these.
 //!
 //! # Reference
 //! - Wolter, Woo, Volz, "Optimal algorithms for symmetry detection in two and three dimensions",
@@ -24,11 +24,10 @@ use glam::DVec3;
 use super::mirror::Mirror;
 use crate::fit::planes::HalfSpace;
 
-/// Distance up to which points match, relative to the diagonal of their box: files of six digits
-/// have such errors.
+/// Distance of matching points, relative to the diagonal: files of six digits have such errors.
 const MATCH: f64 = 1e-6;
 
-/// The same, relative to the greatest coordinate: two roundings to f32.
+/// Distance relative to the greatest coordinate: two roundings to f32.
 const ROUNDING: f64 = 2.4e-7;
 
 /// Maximum number of points that may be images of one point.
@@ -37,11 +36,9 @@ const MAX_IMAGES: usize = 48;
 /// Number of points that are reflected before all are.
 const SAMPLE: usize = 64;
 
-/// Least distance of a point from its image by which a plane is found, relative to the diagonal.
-/// The normal would not be precise enough.
+/// Least distance of a point from its image, relative to the diagonal, for a precise normal.
 const LEAST_STEP: f64 = 1e-2;
 
-/// Distance up to which points match.
 pub fn tolerance(points: &[[f32; 3]]) -> f64 {
     let [low, high] = bounds(&points.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect::<Vec<_>>());
     MATCH * low.distance(high) + ROUNDING * low.abs().max(high.abs()).max_element()
@@ -51,8 +48,7 @@ fn bounds(points: &[DVec3]) -> [DVec3; 2] {
     points.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| [low.min(*p), high.max(*p)])
 }
 
-/// The planes about which points are symmetric, the preferred one first. Points of equal position
-/// count once.
+/// The planes about which distinct points are symmetric, the preferred one first.
 pub fn mirrors(points: &[[f32; 3]]) -> Vec<Mirror> {
     let mut bits: Vec<[u32; 3]> = points.iter().map(|p| p.map(|c| (c + 0.0).to_bits())).collect();
     bits.sort_unstable();
@@ -70,11 +66,9 @@ pub fn mirrors(points: &[[f32; 3]]) -> Vec<Mirror> {
     set.others().into_iter().find_map(|plane| set.mirror(plane)).into_iter().collect()
 }
 
-/// Points, and where they are.
 struct Points {
     points: Vec<DVec3>,
     exact: HashSet<[u64; 3]>,
-    /// The first point in each cell of a grid.
     cells: HashMap<[i64; 3], DVec3>,
     low: DVec3,
     high: DVec3,
@@ -97,7 +91,6 @@ impl Points {
         ((p - self.low) / self.tolerance).floor().to_array().map(|c| c as i64)
     }
 
-    /// Planes at right angles to the axes, in the middle of the box.
     fn across_axes(&self) -> Vec<HalfSpace> {
         let size = self.high - self.low;
         let mut axes = [0, 1, 2];
@@ -112,7 +105,6 @@ impl Points {
         axes.map(plane).collect()
     }
 
-    /// Other planes that may be mirrors.
     fn others(&self) -> Vec<HalfSpace> {
         let centre = self.points.iter().sum::<DVec3>() / self.points.len() as f64;
         let mut planes = Vec::new();
@@ -146,7 +138,6 @@ impl Points {
         is_far.then(|| HalfSpace { normal, offset: normal.dot(0.5 * (p + q)) })
     }
 
-    /// The mirror of a plane; `None` if some point has no image.
     fn mirror(&self, plane: HalfSpace) -> Option<Mirror> {
         let mirror = Mirror { plane, error: 0.0 };
         let step = self.points.len().div_ceil(SAMPLE);
@@ -156,7 +147,6 @@ impl Points {
         Some(Mirror { error, ..mirror })
     }
 
-    /// Distance of `p` from a point close to it; `None` if there is none.
     fn gap(&self, p: DVec3) -> Option<f64> {
         if self.exact.contains(&bits(p)) {
             return Some(0.0);

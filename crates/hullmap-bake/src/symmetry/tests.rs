@@ -11,7 +11,6 @@ fn point_set(mesh: &Mesh) -> PointSet {
     }
 }
 
-/// Random points and their reflections about a plane, stored as f32, in random order.
 fn mirrored_cloud(rng: &mut SplitMix64, count: usize, plane: (DVec3, f64)) -> Vec<[f32; 3]> {
     let mut points = Vec::new();
     for _ in 0..count {
@@ -81,7 +80,6 @@ fn shapes_have_the_planes_that_they_were_made_with() {
     assert_eq!(of(concave::spiral_stair(9)), None);
 }
 
-/// Two bent quads whose corners are symmetric. Whether the surface is depends on their diagonals.
 #[test]
 fn symmetric_vertices_may_have_a_surface_that_is_not() {
     let side = |x: f32| [[x, 0.0, 0.0], [2.0 * x, 0.0, 0.5], [2.0 * x, 1.0, 0.0], [x, 1.0, 0.5]];

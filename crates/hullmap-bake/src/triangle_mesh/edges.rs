@@ -13,23 +13,19 @@ use hullmap_format::triangle_mesh::{
 };
 use rayon::prelude::*;
 
-/// What is known about edges and vertices, in the order of the triangles and of the vertices.
+/// Facts about edges and vertices, in the order of the triangles and of the vertices.
 pub struct Edges {
     pub neighbours: Vec<[u32; 3]>,
     pub edge_classes: Vec<u16>,
     pub vertex_classes: Vec<u8>,
-    /// Number of triangles whose corners are on a line.
     pub degenerate: u32,
-    /// Number of triangles with the same three corners as an earlier one.
     pub duplicate: u32,
 }
 
 /// An edge of a triangle.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Side {
-    /// Its vertices, the lower one in the upper half.
     ends: u64,
-    /// Four times the triangle, plus the number of the edge.
     place: u32,
 }
 
@@ -84,7 +80,6 @@ pub fn find(vertices: &[[f32; 3]], triangles: &[[u32; 3]]) -> Edges {
     Edges { neighbours, edge_classes, vertex_classes, degenerate, duplicate }
 }
 
-/// Step 1: which triangles are set aside, and how many of them are duplicates.
 fn set_aside(triangles: &[[u32; 3]]) -> (Vec<bool>, u32) {
     let mut is_aside: Vec<bool> = triangles.iter().map(|[a, b, c]| a == b || b == c || c == a).collect();
     let sorted = |corners: &[u32; 3]| {
@@ -106,8 +101,7 @@ fn set_aside(triangles: &[[u32; 3]]) -> (Vec<bool>, u32) {
 
 fn is_degenerate(vertices: &[[f32; 3]], corners: &[u32; 3]) -> bool {
     let [a, b, c] = corners.map(|corner| vertices[corner as usize].map(f64::from));
-    // Differences of f32 are exact in f64 unless their exponents are far apart; their products may
-    // round. Exact predicates decide.
+    // Differences of f32 are nearly exact in f64, but products round: exact predicates decide.
     let flat = |x: usize, y: usize| robust::orient2d(coord(a, x, y), coord(b, x, y), coord(c, x, y)) == 0.0;
     flat(0, 1) && flat(1, 2) && flat(2, 0)
 }
@@ -116,7 +110,6 @@ fn coord(p: [f64; 3], x: usize, y: usize) -> robust::Coord<f64> {
     robust::Coord { x: p[x], y: p[y] }
 }
 
-/// Class of the edge that two triangles share.
 fn class_between(vertices: &[[f32; 3]], triangles: &[[u32; 3]], first: Side, second: Side) -> EdgeClass {
     let corner = |side: Side, step: usize| triangles[side.triangle()][(side.edge() + step) % 3];
     if corner(first, 0) == corner(second, 0) {

@@ -2,10 +2,9 @@
 //! classes of edges and vertices.
 //!
 //! # Steps
-//! 1. Merge vertices that are equal, since files repeat them where texture coordinates or normals
-//!    differ. Vertices without a triangle are left out.
-//! 2. Order the triangles by the leaves of the tree (`order`), and the vertices by their first
-//!    triangle.
+//! 1. Merge equal vertices, which files repeat where texture coordinates or normals differ. Drop
+//!    unused ones.
+//! 2. Order the triangles by the leaves of the tree (`order`), and the vertices by first use.
 //! 3. Find neighbours and classes (`edges`).
 //! 4. Find the boxes of the tree ([`tree`]).
 //!
@@ -47,7 +46,7 @@ pub struct BakedTriangleMesh {
     mesh: TriangleMesh,
 }
 
-/// What a triangle mesh consists of.
+/// The contents of a triangle mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MeshCounts {
     /// Number of triangles.
@@ -65,9 +64,7 @@ pub struct MeshCounts {
     pub edges: [usize; EdgeClass::ALL.len()],
 }
 
-/// Bakes triangles as a static mesh.
-///
-/// The result is a pure function of the arguments, for any number of threads.
+/// Bakes triangles as a static mesh: a pure function of the arguments, for any number of threads.
 ///
 /// # Errors
 /// There are no triangles, or too many. A corner is not a vertex, or a vertex of a triangle is NaN
@@ -137,15 +134,12 @@ pub fn write_triangle_mesh(baked: BakedTriangleMesh, source: &SourceRecord) -> R
 }
 
 impl BakedTriangleMesh {
-    /// The T-junctions: vertices that lie on a border edge of a triangle, between its ends.
-    ///
-    /// # Complexity
-    /// O(n log n) for n border edges.
+    /// T-junctions: vertices inside a triangle's border edge. O(n log n) for n border edges.
     pub fn t_junctions(&self) -> TJunctions {
         t_junctions(&self.mesh.vertices, &self.mesh.triangles, &self.mesh.edge_classes)
     }
 
-    /// What the mesh consists of.
+    /// The contents of the mesh.
     pub fn counts(&self) -> MeshCounts {
         let mesh = &self.mesh;
         let record = mesh.records.first().copied().unwrap_or_default();
@@ -186,15 +180,12 @@ fn check(source: &Triangles<'_>) -> Result<(), BakeError> {
     Ok(())
 }
 
-/// The vertices of the triangles, each of them once.
 struct Merged {
     vertices: Vec<[f32; 3]>,
     corners: Vec<[u32; 3]>,
-    /// Number of vertices that equal an earlier one.
     merged: u32,
 }
 
-/// Step 1.
 fn merge(source: &Triangles<'_>) -> Result<Merged, BakeError> {
     const UNUSED: u32 = u32::MAX;
     let mut numbers = vec![UNUSED; source.positions.len()];
@@ -225,7 +216,6 @@ fn merge(source: &Triangles<'_>) -> Result<Merged, BakeError> {
     Ok(Merged { vertices, corners, merged })
 }
 
-/// Numbers the vertices by their first triangle, and returns them in that order.
 fn renumber(vertices: &[[f32; 3]], triangles: &mut [[u32; 3]]) -> Vec<[f32; 3]> {
     const UNUSED: u32 = u32::MAX;
     let mut numbers = vec![UNUSED; vertices.len()];
@@ -241,7 +231,6 @@ fn renumber(vertices: &[[f32; 3]], triangles: &mut [[u32; 3]]) -> Vec<[f32; 3]> 
     ordered
 }
 
-/// Minimum and maximum coordinates.
 fn bounds(vertices: &[[f32; 3]]) -> [[f32; 3]; 2] {
     let component = |pick: fn(f32, f32) -> f32| -> [f32; 3] {
         std::array::from_fn(|axis| vertices.iter().map(|v| v[axis]).reduce(pick).unwrap_or_default())

@@ -1,15 +1,12 @@
 //! The order of the triangles: the order of the leaves of the tree of boxes.
 //!
-//! The tree has no pointers, so each node's number of triangles is fixed. A node's triangles are
-//! split along the axis in which their middles extend most.
-//!
-//! # Deviations
-//! The surface area heuristic would also choose where to split. Here only the axis is free. The
-//! tree takes 6 to 12 bytes a triangle instead of 32 or more, and its depth is the least possible.
+//! The tree has no pointers, so each node's number of triangles is fixed. They are split along the
+//! axis in which their middles extend most. Unlike with the surface area heuristic, only the axis
+//! is free; the tree takes 6 to 12 bytes a triangle instead of 32 or more, at the least possible
+//! depth.
 
 use hullmap_format::triangle_mesh::tree;
 
-/// Number of triangles from which the halves are ordered in two threads.
 const LARGE: usize = 1 << 12;
 
 /// Indices of `triangles`, in the order of the leaves.
@@ -28,7 +25,6 @@ pub fn order(vertices: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<u32> {
     order
 }
 
-/// Orders the triangles of a node.
 fn split(order: &mut [u32], middles: &[[f64; 3]], node: u32) {
     if order.len() < 2 {
         return;
@@ -49,7 +45,6 @@ fn split(order: &mut [u32], middles: &[[f64; 3]], node: u32) {
     }
 }
 
-/// The axis in which the middles extend most; the first of equal ones.
 fn widest(order: &[u32], middles: &[[f64; 3]]) -> usize {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for triangle in order {

@@ -4,15 +4,12 @@
 //! open a crack, and the edge has the contact normals of a border.
 //!
 //! # Steps
-//! 1. Build a tree of boxes over the border edges. Conforming edges have neighbours, so both sides
-//!    of a T-junction are border edges.
-//! 2. For each end of a border edge, visit the boxes that contain it, and compare it with the edges
-//!    in them.
+//! 1. Build a tree of boxes over the border edges, which both sides of a T-junction are.
+//! 2. Compare each end of a border edge with the edges whose boxes contain it.
 //!
 //! # Complexity
 //! O(n log n) for n border edges: a vertex visits at most [`VISITS_A_LEVEL`] boxes for each level
-//! of a balanced tree. If hundreds of border edges cross in one place, vertices need more. Then the
-//! count is a lower bound, and the result states this.
+//! of a balanced tree. Beyond, the count is a lower bound, as the result states.
 
 use std::cell::Cell;
 
@@ -22,9 +19,8 @@ use rayon::prelude::*;
 
 use crate::fit::triangle_tree::{Bounds, TriangleTree};
 
-/// Maximum distance of a vertex from an edge on which it counts as lying, relative to the diagonal
-/// of the mesh. Editors place such vertices by computations in f32, whose errors are a few times
-/// 6e-8 of the coordinates.
+/// Maximum distance of a vertex on an edge, relative to the mesh's diagonal. Editors place such
+/// vertices in f32, with errors of a few times 6e-8 of the coordinates.
 pub const TOLERANCE: f64 = 1e-6;
 
 /// Maximum number of boxes that a vertex visits, for each level of a balanced tree.
@@ -39,32 +35,16 @@ pub struct TJunctions {
     pub is_complete: bool,
 }
 
-/// A border edge.
 struct Edge {
     from: DVec3,
     to: DVec3,
-    /// Corners of its triangle.
     corners: [u32; 3],
 }
 
-/// Counts the T-junctions of a mesh. The arguments are those sections of its file.
-///
-/// The result is the same for any number of threads.
+/// Counts a mesh's T-junctions, from sections of its file; the same for any number of threads.
 ///
 /// # Panics
 /// If a corner is not a vertex.
-///
-/// # Examples
-/// ```
-/// use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh};
-///
-/// // One large triangle below the x axis, and two small ones above it, which meet at the origin.
-/// let positions = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-/// let corners = [[0, 2, 1], [0, 3, 4], [3, 1, 4]];
-/// let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners: &corners, materials: &[] })?;
-/// assert_eq!(baked.t_junctions().count, 1);
-/// # Ok::<(), hullmap_bake::BakeError>(())
-/// ```
 pub fn t_junctions(vertices: &[[f32; 3]], triangles: &[[u32; 3]], edge_classes: &[u16]) -> TJunctions {
     let at = |corner: u32| DVec3::from_array(vertices[corner as usize].map(f64::from));
     let (mut edges, mut is_end) = (Vec::new(), vec![false; vertices.len()]);
@@ -107,7 +87,6 @@ pub fn t_junctions(vertices: &[[f32; 3]], triangles: &[[u32; 3]], edge_classes: 
     TJunctions { count, is_complete }
 }
 
-/// Whether a point lies on an edge, and not at its ends.
 fn is_between(p: DVec3, edge: &Edge, tolerance: f64) -> bool {
     let (along, to_p) = (edge.to - edge.from, p - edge.from);
     let length = along.length();

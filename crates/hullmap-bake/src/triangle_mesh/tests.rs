@@ -10,7 +10,6 @@ fn bake(positions: &[[f32; 3]], corners: &[[u32; 3]]) -> BakedTriangleMesh {
     bake_triangle_mesh(&Triangles { positions, corners, materials: &[] }).unwrap()
 }
 
-/// Checks the file as a reader does.
 fn checked(baked: &BakedTriangleMesh) {
     let file = write_triangle_mesh(baked.clone(), &SourceRecord::default()).unwrap();
     let mut payload = AlignedVec::<HEADER_LEN>::new();
@@ -19,7 +18,6 @@ fn checked(baked: &BakedTriangleMesh) {
     check::check(&sections, &payload).unwrap();
 }
 
-/// Corners of a cube: ridges only, apart from the flat diagonals of its faces.
 fn cube() -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let corners = (0..8).map(|i: usize| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect();
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -66,7 +64,6 @@ fn flaws_are_kept_and_counted() {
     let baked = bake(&positions, &corners);
     let counts = baked.counts();
     assert_eq!((counts.triangles, counts.duplicate, counts.degenerate), (17, 1, 2));
-    // The edge from 8 to 9 has three triangles.
     assert_eq!(counts.edges[usize::from(EdgeClass::NonManifold.code())], 3);
     checked(&baked);
     let baked = bake(&positions, &[[8, 9, 11], [8, 9, 12]]);
@@ -122,7 +119,6 @@ fn random_soups_pass_the_check() {
     }
 }
 
-/// The slow, obvious twin: every vertex against every edge that no other triangle has.
 fn t_junctions_by_hand(mesh: &TriangleMesh) -> usize {
     let at = |corner: u32| DVec3::from_array(mesh.vertices[corner as usize].map(f64::from));
     let mut edges: Vec<([u32; 2], u32)> = Vec::new();
@@ -150,8 +146,7 @@ fn t_junctions_by_hand(mesh: &TriangleMesh) -> usize {
     (0..mesh.vertices.len() as u32).filter(on_border).filter(is_junction).count()
 }
 
-/// Rows of squares of two triangles. The squares of each row are narrower than in the row before,
-/// so that corners of one row lie on edges of the other.
+/// Rows of squares, narrower in each row, so that their corners lie on edges of others.
 fn rows(widths: &[usize], turn: DQuat, scale: f64) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let (mut positions, mut corners) = (Vec::new(), Vec::new());
     for (row, count) in widths.iter().enumerate() {
@@ -189,21 +184,18 @@ fn t_junctions_are_those_of_the_slow_twin() {
     assert_eq!(bake(&line, &[[0, 1, 2]]).t_junctions().count, 0);
 }
 
-/// A fan of edges that all cross in one place: the work stays bounded, and the result says that the
-/// count is a lower bound.
+/// Edges that all cross in one place: the work stays bounded, and the count is a lower bound.
 #[test]
 fn edges_that_cross_in_one_place_cost_no_square() {
     let (mut positions, mut corners) = (Vec::new(), Vec::new());
     let count = 20_000;
     for edge in 0..count {
-        // A point of half a circle.
         let t = 2.0 * f64::from(edge) / f64::from(count) - 1.0;
         let [x, y] = [1.0 - t * t, 2.0 * t].map(|c| c / (1.0 + t * t));
         let first = positions.len() as u32;
         positions.extend([[x, y, 0.0], [-x, -y, 0.0], [y, -x, 2.0 + t]].map(|p| p.map(|c| c as f32)));
         corners.push([first, first + 1, first + 2]);
     }
-    // Many vertices near the place.
     let near = |i: usize| [1e-4 * (i % 100) as f32, 1e-4 * (i / 100) as f32, 0.3];
     for i in 0..5_000 {
         let first = positions.len() as u32;

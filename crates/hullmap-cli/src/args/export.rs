@@ -8,7 +8,6 @@ use hullmap_import::UpAxis;
 use super::usd::UsdArgs;
 use crate::scene::colliders::Draft;
 
-/// Arguments of `bake export`.
 #[derive(Debug, clap::Args)]
 pub struct ExportArgs {
     /// Packs, or folders to search for them
@@ -74,7 +73,6 @@ pub struct ExportArgs {
         hide_possible_values = true
     )]
     pub up_axis: UpAxis,
-    /// Flags for USD.
     #[command(flatten)]
     pub usd: UsdArgs,
     /// Replace existing files
@@ -96,7 +94,6 @@ pub enum Format {
 }
 
 impl Format {
-    /// Extension of its files.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Obj => "obj",
@@ -141,7 +138,6 @@ impl Target {
         matches!(self, Self::Godot | Self::KhrPhysics | Self::Omi | Self::Both)
     }
 
-    /// Name for messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Unreal => "Unreal",
@@ -157,7 +153,6 @@ impl Target {
     }
 }
 
-/// A density: finite, and above 0.
 fn density(text: &str) -> Result<f64, String> {
     let found = text.parse().ok().filter(|density: &f64| *density > 0.0 && density.is_finite());
     found.ok_or_else(|| "expected a number above 0, such as 1000 or 2700".to_owned())

@@ -12,7 +12,6 @@ use crate::options::removed::instead_of_option;
 use crate::options::table::OPTIONS;
 use crate::options::value::Syntax;
 
-/// Guessed subcommands, and what to do instead.
 const SUBCOMMANDS: [(&[&str], &str); 11] = [
     (
         &["split", "vhacd", "coacd", "parts"],
@@ -30,8 +29,7 @@ const SUBCOMMANDS: [(&[&str], &str); 11] = [
     (&["help", "version"], "pass it as a flag: `bake --help`, `bake COMMAND --help`, `bake --version`"),
 ];
 
-/// Guessed flags, without dashes, and the flags that are meant. A tip is given only where the
-/// subcommand has the flag.
+/// Guessed flags, without dashes, and the flags that are meant, for subcommands that have these.
 const FLAGS: [(&[&str], &str, &str); 18] = [
     (&["simplify", "vertices-max", "max-verts", "max-points", "decimate"], "max-vertices", "--max-vertices N"),
     (&["tolerance", "error", "epsilon", "threshold", "concavity"], "max-error", "--max-error E"),
@@ -53,9 +51,7 @@ const FLAGS: [(&[&str], &str, &str); 18] = [
     (&["mesh", "input"], "source", "--source PATH"),
 ];
 
-/// The error with the name that is meant, if a guess is known.
-///
-/// `root` is the command of all subcommands.
+/// The error with the name that is meant, if a guess is known. `root` has all subcommands.
 pub fn with_tip(error: clap::Error, words: &[OsString], root: &clap::Command) -> clap::Error {
     let context = |kind| match error.get(kind) {
         Some(ContextValue::String(text)) => text.clone(),
@@ -100,8 +96,7 @@ fn has_flag(root: &clap::Command, command: &OsString, name: &str) -> bool {
     own.is_some_and(|own| own.get_arguments().any(|argument| argument.get_long() == Some(name)))
 }
 
-/// The message about a switch whose value is an argument of its own: `--decompose true` bakes a
-/// mesh named `true`, which does not exist.
+/// The error for a switch with a separate value: `--decompose true` bakes a mesh named `true`.
 pub fn detached_value(words: &[OsString]) -> Option<String> {
     words.windows(2).find_map(|pair| {
         let (name, value) = (pair[0].to_str()?.strip_prefix("--")?, pair[1].to_str()?);

@@ -1,5 +1,3 @@
-//! Arguments of `bake build --height-field`.
-
 use hullmap::height_field::Diagonal;
 use hullmap_import::height_field::Hole;
 
@@ -49,13 +47,11 @@ fn finite(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "expected a finite number".to_owned())
 }
 
-/// Two numbers.
 fn two(text: &str) -> Result<[f64; 2], String> {
     let (x, y) = text.split_once(',').ok_or("expected two numbers, such as 100,250")?;
     Ok([finite(x)?, finite(y)?])
 }
 
-/// One or two lengths.
 fn spacing(text: &str) -> Result<[f64; 2], String> {
     let both = if text.contains(',') { two(text)? } else { [finite(text)?; 2] };
     if both.iter().all(|length| *length > 0.0) { Ok(both) } else { Err("expected lengths above 0".to_owned()) }
@@ -65,7 +61,6 @@ fn diagonal(text: &str) -> Result<Diagonal, String> {
     Diagonal::ALL.into_iter().find(|own| own.as_str() == text).ok_or_else(|| "expected rising or falling".to_owned())
 }
 
-/// The name of a file without a folder.
 pub fn name(text: &str) -> Result<String, String> {
     let is_plain = !text.is_empty() && !text.contains(['/', '\\', '\n']) && text != "..";
     if is_plain {

@@ -1,8 +1,5 @@
-//! Limits on source files, for all commands that read meshes.
-
 use hullmap_import::Limits;
 
-/// Heading of the help.
 const HEADING: &str = "Limits";
 
 /// Limits on source files.
@@ -40,7 +37,6 @@ pub struct LimitArgs {
 }
 
 impl LimitArgs {
-    /// The limits that the flags set.
     pub fn limits(&self) -> Limits {
         Limits { input_bytes: self.max_input_bytes, objects: self.max_objects, repeated_vertices: self.max_instanced }
     }

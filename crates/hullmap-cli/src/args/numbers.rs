@@ -1,5 +1,3 @@
-//! Parsers of numbers on the command line.
-
 /// A count of at least 1.
 pub fn at_least_one(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|&count| count >= 1).ok_or_else(|| "expected a whole number of at least 1".to_owned())

@@ -1,5 +1,3 @@
-//! Tests of accepted and rejected command lines, and of the help.
-
 use hullmap_bake::IndexKind;
 use hullmap_bake::decompose::Cover;
 use hullmap_bake::simplify::Limit;
@@ -180,8 +178,7 @@ fn help_fits_a_screen() {
     let help = command().render_help().to_string();
     assert!(help.lines().count() <= 24, "{help}");
     assert!(help.lines().all(|line| line.chars().count() <= 80), "{help}");
-    // Two screens for the longest, with a heading for each group; rarely used options are in
-    // `--help` only.
+    // At most two screens; rarely used options are in `--help` only.
     let build = command().find_subcommand("build").unwrap().clone().term_width(120).render_help().to_string();
     assert!(build.lines().count() <= 68, "{build}");
     let short =

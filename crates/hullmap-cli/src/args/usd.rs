@@ -1,8 +1,5 @@
-//! Flags of `bake export --for usd`.
-
 use clap::ValueEnum;
 
-/// Where the hulls go in a stage, and what the layer states about it.
 #[derive(Debug, clap::Args)]
 pub struct UsdArgs {
     /// Path of the USD prim that holds the mesh, for instance /World/chair
@@ -20,7 +17,6 @@ pub struct UsdArgs {
 }
 
 impl UsdArgs {
-    /// The first flag that is given.
     pub fn given(&self) -> Option<&'static str> {
         let flags = [
             ("--prim", self.prim.is_some()),
@@ -41,7 +37,6 @@ pub enum StageUp {
     Z,
 }
 
-/// A length of a unit: finite, and above 0.
 fn positive(text: &str) -> Result<f64, String> {
     let found = text.parse().ok().filter(|number: &f64| *number > 0.0 && number.is_finite());
     found.ok_or_else(|| "expected a number above 0, such as 1 or 0.01".to_owned())

@@ -1,5 +1,3 @@
-//! Arguments of `bake verify`.
-
 use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
@@ -11,7 +9,6 @@ use crate::budget::NAMES;
 /// Directions tested on each hull by default.
 pub const DEFAULT_DIRECTIONS: usize = 10_000;
 
-/// Arguments of `bake verify`.
 #[derive(Debug, clap::Args)]
 pub struct VerifyArgs {
     /// Packs, or folders to search for them
@@ -36,7 +33,6 @@ pub struct VerifyArgs {
     /// Seed of the random directions
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
-    /// Limits on source files.
     #[command(flatten)]
     pub limits: LimitArgs,
     /// Print one JSON object per hull

@@ -4,7 +4,6 @@ use crate::args::{self, CompletionsArgs};
 use crate::outcome::{Exit, Failure, end};
 use crate::terminal::Output;
 
-/// Runs the command. The shell completes the last word of `program`. Fails if writing fails.
 pub fn run(args: &CompletionsArgs, program: &str, out: &mut Output) -> Result<Exit, Failure> {
     let program = program.rsplit(' ').next().unwrap_or(program);
     // Into memory first: the generator panics if it cannot write.

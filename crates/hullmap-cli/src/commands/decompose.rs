@@ -1,10 +1,4 @@
 //! `bake decompose`: a mesh file becomes a file of convex parts, without a pack.
-//!
-//! 1. The meshes of the file are decomposed one by one, as by `bake build --split object
-//!    --decompose`. A convex mesh gives its hull.
-//! 2. The parts are written as by `bake export`, in the frame and unit of the source.
-//!
-//! Overlap is an estimate; cover and protrusion are the bounds that a pack records.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -34,13 +28,10 @@ use hullmap_verify::part::diagonal;
 /// Share of the time after which the meshes are read.
 const READ: f64 = 0.05;
 
-/// The cost of the work in the progress, which shows how much of it is done.
 const COST: u64 = 1000;
 
-/// Writes hulls as the bytes of a file.
 type Write = fn(&[Body]) -> Result<Vec<u8>, String>;
 
-/// The formats that hold several named hulls, by their extensions.
 const FORMATS: [(&str, Write); 2] = [("obj", |bodies| Ok(obj::write(bodies, false))), ("glb", glb::write)];
 
 /// Result of the command. Field names are the JSON's.
@@ -58,8 +49,7 @@ struct Report {
     meshes: Vec<MeshReport>,
 }
 
-/// The parts of one mesh. Lengths are in the unit of the output. The fit of parts is `None` if it
-/// is not known, for instance of a mesh without faces.
+/// Lengths are in the unit of the output. The fit is `None` if unknown, as without faces.
 #[derive(Debug, Serialize)]
 struct MeshReport {
     name: String,
@@ -74,11 +64,6 @@ struct MeshReport {
     overlap_error: Option<f64>,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// Usage: an unknown format, an output that exists or cannot be written, or an input that cannot be
-/// read. Rejected: a faulty mesh.
 pub fn run(args: &DecomposeArgs, out: &mut Output) -> Result<Exit, Failure> {
     let start = Instant::now();
     interrupt::catch();
@@ -112,7 +97,6 @@ pub fn run(args: &DecomposeArgs, out: &mut Output) -> Result<Exit, Failure> {
     end(Exit::Done, written)
 }
 
-/// The writer of the format that the output's extension names.
 fn writer(output: &Path) -> Result<Write, Failure> {
     let extension = output.extension().unwrap_or_default();
     let found = FORMATS.iter().find(|(name, _)| extension.eq_ignore_ascii_case(name));
@@ -126,7 +110,6 @@ fn writer(output: &Path) -> Result<Write, Failure> {
     })
 }
 
-/// Checks, before the work, that the output may be written.
 fn check_output(args: &DecomposeArgs) -> Result<(), Failure> {
     let output = args.output.display();
     if !args.force {
@@ -142,7 +125,6 @@ fn check_output(args: &DecomposeArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Does the work on other threads, and shows its progress meanwhile.
 fn with_progress<T: Send>(
     args: &DecomposeArgs,
     work: impl Fn(Stage) -> Result<T, Failure> + Sync,
@@ -161,7 +143,6 @@ fn with_progress<T: Send>(
     results.pop().unwrap_or_else(|| Err(Failure::usage("no thread did the work".to_owned())))
 }
 
-/// Reads and decomposes the meshes. The pack stays in memory.
 fn decompose(args: &DecomposeArgs, stage: Stage) -> Result<(Imported, BakedPack), Failure> {
     let (path, file) = (&args.input, args.input.display().to_string());
     let (options, limits) = (args.options.0.resolve(), args.limits.limits());

@@ -9,7 +9,6 @@ use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{put_in_free_place, write_beside};
 use crate::terminal::Output;
 
-/// Runs the command. Fails if the file exists, or cannot be written.
 pub fn run(args: &InitArgs, out: &mut Output) -> Result<Exit, Failure> {
     let path = args.folder.join(FILE_NAME);
     let shown = path.strip_prefix(".").unwrap_or(&path).display();

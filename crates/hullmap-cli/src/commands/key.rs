@@ -6,13 +6,12 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::args::KeyArgs;
-use crate::jobs::key::Ingredients;
+use crate::jobs::key::KeyInputs;
 use crate::jobs::{Job, Messages, jobs};
 use crate::options::RecordSource;
 use crate::outcome::{Exit, Failure, end};
 use crate::terminal::{self, Output};
 
-/// Number of keys that are computed before they are printed.
 const AT_ONCE: usize = 1024;
 
 /// Key of one pack. Field names are the JSON's.
@@ -21,11 +20,9 @@ struct Row<'a> {
     source: String,
     key: String,
     #[serde(flatten)]
-    from: &'a Ingredients,
+    from: &'a KeyInputs,
 }
 
-/// Runs the command. Fails if an input or `hullmap.toml` cannot be read. Failures of single files
-/// are printed, and end in the exit code.
 pub fn run(args: &KeyArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (project, limits) = (Path::new("."), args.meshes.limits.limits());
     let out_folder = args.out.as_deref().unwrap_or(Path::new(""));
@@ -34,7 +31,7 @@ pub fn run(args: &KeyArgs, out: &mut Output) -> Result<Exit, Failure> {
         jobs.iter_mut().for_each(lie_beside_the_mesh);
     }
     for jobs in jobs.chunks(AT_ONCE) {
-        let found: Vec<_> = jobs.par_iter().map(|job| Ingredients::new(job, &limits, project)).collect();
+        let found: Vec<_> = jobs.par_iter().map(|job| KeyInputs::new(job, &limits, project)).collect();
         for (job, found) in jobs.iter().zip(found) {
             let written = match found {
                 Ok(from) => write(args, job, &from, out),
@@ -52,7 +49,7 @@ pub fn run(args: &KeyArgs, out: &mut Output) -> Result<Exit, Failure> {
     end(exit, out.flush().map_err(Failure::from))
 }
 
-fn write(args: &KeyArgs, job: &Job, from: &Ingredients, out: &mut Output) -> Result<(), Failure> {
+fn write(args: &KeyArgs, job: &Job, from: &KeyInputs, out: &mut Output) -> Result<(), Failure> {
     let (source, key) = (job.source.display().to_string(), from.key());
     if args.json {
         out.json(&Row { source, key, from })?;

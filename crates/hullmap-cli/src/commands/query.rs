@@ -13,11 +13,9 @@ use crate::table::{Align, Table, or_dash};
 use crate::terminal::Output;
 use hullmap_bake::number::rounded;
 
-/// Answer for one pose. Field names are the JSON's; fields that the mode does not compute are
-/// `None`.
+/// Field names are the JSON's; fields that the mode does not compute are `None`.
 #[derive(Debug, Serialize)]
 struct PoseAnswer {
-    /// Index of the pose.
     pose: usize,
     hit: Option<bool>,
     status: &'static str,
@@ -34,7 +32,6 @@ struct PoseAnswer {
     support_calls: u32,
     /// Name of the deciding hull of A, if A or B has several, or the index of a triangle.
     hull_a: Option<String>,
-    /// Name of the deciding hull of B, if A or B has several, or the index of a triangle.
     hull_b: Option<String>,
 }
 
@@ -65,13 +62,11 @@ impl PoseAnswer {
     }
 }
 
-/// Value, lower and upper bound.
 fn bounded(values: Option<[f64; 3]>) -> [Option<f64>; 3] {
     values.map_or([None; 3], |values| values.map(Some))
 }
 
-/// Runs the command. Fails if a pose or selection is invalid, or a pack cannot be read or is
-/// invalid. All are checked before the first answer.
+/// All arguments are checked before the first answer.
 pub fn run(args: &QueryArgs, out: &mut Output) -> Result<Exit, Failure> {
     let poses = poses(args)?;
     let (select_a, select_b) = (Selection::parse(&args.a), Selection::parse(&args.b));
@@ -85,13 +80,11 @@ pub fn run(args: &QueryArgs, out: &mut Output) -> Result<Exit, Failure> {
     }
 }
 
-/// What an argument names.
 enum Chosen<'a> {
     Hulls(Box<Compound<'a>>),
     Triangles(&'a TriangleMesh),
 }
 
-/// Answers for each pose, and prints the answers.
 fn answer<A: Side, B: Side>(
     args: &QueryArgs,
     poses: Vec<Pose>,
@@ -134,7 +127,6 @@ fn poses(args: &QueryArgs) -> Result<Vec<Pose>, Failure> {
     Ok(poses)
 }
 
-/// The selected hull, the whole pack, or the triangle mesh.
 fn choose<'a>(selection: &Selection, file: &'a BakedFile) -> Result<Chosen<'a>, Failure> {
     let pack = match (file, &selection.hull) {
         (BakedFile::TriangleMesh(mesh), None) => return Ok(Chosen::Triangles(mesh)),
@@ -153,7 +145,6 @@ fn choose<'a>(selection: &Selection, file: &'a BakedFile) -> Result<Chosen<'a>, 
     Ok(Chosen::Hulls(Box::new(Compound::from(hulls[index]))))
 }
 
-/// An empty table. `names_hulls`: with columns for the two deciding hulls.
 fn table(mode: Mode, names_hulls: bool) -> Table {
     let mut columns = vec![("pose", Align::Right), ("hit", Align::Left), ("status", Align::Left)];
     if names_hulls {

@@ -1,8 +1,7 @@
 //! `bake status`: which packs of a build are missing or stale, by their headers.
 //!
-//! Meshes are not read, and packs only if their options seem to differ, so this is fast enough for
-//! a million packs on a network file system. Changed meshes are not noticed: `bake build --check`
-//! compares bytes.
+//! Meshes are not read, and packs only if their options seem to differ: fast enough for a million
+//! packs on a network file system. `bake build --check` also notices changed meshes.
 
 use std::collections::BTreeMap;
 use std::io::{ErrorKind, Read};
@@ -21,7 +20,6 @@ use crate::table::{Align, Table, or_dash};
 use crate::terminal::Output;
 use hullmap_bake::number::grouped;
 
-/// State of a pack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 enum State {
@@ -29,7 +27,6 @@ enum State {
     Present,
     /// Incomplete, of another format version, or with other options.
     Stale,
-    /// Not in the folder.
     Missing,
 }
 
@@ -43,7 +40,6 @@ struct Row {
     shard: Option<u32>,
 }
 
-/// Runs the command. Fails if an input or `hullmap.toml` cannot be read.
 pub fn run(args: &StatusArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (jobs, exit) = jobs(&args.meshes, &args.out, Messages::Warnings)?.report_empty();
     let rows: Vec<Row> = jobs.par_iter().map(|job| row(job, args.shards)).collect();
@@ -88,7 +84,6 @@ fn state(job: &Job) -> (State, Option<String>) {
     }
 }
 
-/// The options that the file of a job records.
 fn recorded_options(job: &Job) -> Result<String, OpenError> {
     match job.options.file_kind() {
         FileKind::Pack => Pack::open_skipping_contents(&job.output).map(|pack| pack.options().to_owned()),
@@ -104,7 +99,6 @@ fn write_json(rows: &[Row], out: &mut Output) -> Result<(), Failure> {
     Ok(out.flush()?)
 }
 
-/// Lists packs that are not present, then the shards that it belongs to, then counts.
 fn write_table(rows: &[Row], shards: Option<u32>, out: &mut Output) -> Result<(), Failure> {
     let mut table = Table::new(&[("status", Align::Left), ("pack", Align::Left), ("why", Align::Left)]);
     let mut incomplete: BTreeMap<u32, usize> = BTreeMap::new();

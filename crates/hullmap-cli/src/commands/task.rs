@@ -1,5 +1,3 @@
-//! `bake task`: bakes tasks of a plan, started by a scheduler or by hand.
-
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead, BufReader, Write as _};
 use std::path::{Path, PathBuf};
@@ -19,8 +17,6 @@ use crate::runner::rows::Row;
 use crate::runner::{self, print_messages, write_rows};
 use crate::terminal::Output;
 
-/// Runs the command. Fails if the plan cannot be read, or holds no such task. Failures of single
-/// meshes are reported in their rows and in the exit code.
 pub fn run(args: &TaskArgs, out: &mut Output) -> Result<Exit, Failure> {
     interrupt::catch();
     let mut exit = Exit::Done;
@@ -43,7 +39,6 @@ pub fn run(args: &TaskArgs, out: &mut Output) -> Result<Exit, Failure> {
     end(exit, write_rows(&rows, &args.run, false, out))
 }
 
-/// The jobs of the chosen tasks, by the folder of their packs.
 fn jobs(args: &TaskArgs) -> Result<BTreeMap<PathBuf, Vec<Job>>, Failure> {
     let shown = args.plan.display();
     let mut reader: Box<dyn BufRead> = if args.plan == Path::new("-") {
@@ -96,7 +91,6 @@ fn bake(args: &TaskArgs, cache: Option<&Cache>, out: &Path, jobs: &[Job]) -> Res
     runner::run(&jobs, &build, &args.run)
 }
 
-/// Writes the rows as JSON, one a line.
 fn write_results(path: &Path, rows: &[Row]) -> Result<(), Failure> {
     let failure = |error| Failure::usage(format!("{}: cannot write the results: {error}", path.display()));
     let mut text = Vec::new();

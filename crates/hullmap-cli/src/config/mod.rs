@@ -25,8 +25,6 @@ pub const FILE_NAME: &str = "hullmap.toml";
 const MAX_BYTES: u64 = 1 << 20;
 
 impl Config {
-    /// Reads a file. Fails, with file and line, if it cannot be read, is not valid TOML, or
-    /// contains unknown keys or values.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let text = read_bounded(path)
             .map_err(|error| Failure::usage(format!("{}: cannot read: {error}; check the path", path.display())))?;
@@ -34,7 +32,6 @@ impl Config {
     }
 }
 
-/// The text of a regular file of at most [`MAX_BYTES`].
 fn read_bounded(path: &Path) -> io::Result<String> {
     let mut bytes = Vec::new();
     open_regular(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
@@ -110,7 +107,6 @@ index = "cubemap"
         let template = template();
         let config = parse::parse(Path::new("hullmap.toml"), &template).unwrap();
         assert_eq!(config.layer(Some(Path::new("x.obj")), Path::new("x.obj")), OptionLayer::default());
-        // With the options uncommented it still parses, and changes nothing.
         let is_option = |line: &&str| {
             let key = line.strip_prefix("# ").and_then(|rest| rest.split_once(" = ")).map_or("", |(key, _)| key);
             OPTIONS.iter().any(|option| option.key == key)

@@ -14,13 +14,10 @@ use crate::options::table::{OPTIONS, position};
 use crate::options::value::Syntax;
 use crate::outcome::Failure;
 
-/// The tables of the file.
 const TABLES: [&str; 2] = ["defaults", "rule"];
 
-/// The key of a rule that holds its globs.
 const FILES: &str = "files";
 
-/// The key of a rule that holds the globs of links.
 const LINKS: &str = "links";
 
 /// The key of a rule that leaves its meshes out; every other key is an option.
@@ -30,7 +27,6 @@ const SKIP: &str = "skip";
 /// `vertices` have 0.97, `skipped` and `split` 0.67, `colour` and `recentre` 0.47.
 const MIN_SIMILARITY: f64 = 0.7;
 
-/// A fault, and its place in the text.
 struct Fault {
     span: Range<usize>,
     message: String,
@@ -40,7 +36,6 @@ fn fault(span: Range<usize>, message: impl Into<String>) -> Fault {
     Fault { span, message: message.into() }
 }
 
-/// Parses the text of the file at `path`. The error is the first fault, with file and line.
 pub fn parse(path: &Path, text: &str) -> Result<Config, Failure> {
     let line_of = |at: usize| 1 + text.as_bytes()[..at.min(text.len())].iter().filter(|&&byte| byte == b'\n').count();
     let with_line = |fault: Fault| {
@@ -103,7 +98,6 @@ fn rule(span: Range<usize>, table: &DeTable, line_of: &dyn Fn(usize) -> usize) -
     Ok(Rule { line, files, links, skip, layer: layer(table, true)? })
 }
 
-/// The globs of a key: one, or a list.
 fn globs(key: &str, value: &Spanned<DeValue>) -> Result<Vec<Glob>, Fault> {
     let patterns: Vec<(Range<usize>, &str)> = match value.get_ref() {
         DeValue::String(pattern) => vec![(value.span(), pattern)],
@@ -126,7 +120,6 @@ fn globs(key: &str, value: &Spanned<DeValue>) -> Result<Vec<Glob>, Fault> {
     patterns.into_iter().map(|(span, pattern)| Glob::new(pattern).map_err(|error| fault(span, error))).collect()
 }
 
-/// The options in a table. The other keys of a rule are not read here.
 fn layer(table: &DeTable, is_rule: bool) -> Result<OptionLayer, Fault> {
     let mut layer = OptionLayer::default();
     for (span, key, value) in in_order(table) {
@@ -180,7 +173,6 @@ fn in_order<'t>(table: &'t DeTable) -> Vec<(Range<usize>, &'t str, &'t Spanned<D
     entries
 }
 
-/// The value as text for [`Syntax::parse`], if its TOML type is right.
 fn text_of(value: &DeValue, syntax: Syntax) -> Option<String> {
     let accepts_none = matches!(
         syntax,
@@ -203,7 +195,6 @@ fn text_of(value: &DeValue, syntax: Syntax) -> Option<String> {
     }
 }
 
-/// The TOML type of an option's values.
 fn toml_type(syntax: Syntax) -> &'static str {
     match syntax {
         Syntax::Words(_) => "a string",
@@ -215,7 +206,6 @@ fn toml_type(syntax: Syntax) -> &'static str {
     }
 }
 
-/// The value as the file writes it.
 fn as_written(value: &DeValue, text: &str) -> String {
     if value.is_str() { format!("\"{text}\"") } else { text.to_owned() }
 }
@@ -285,7 +275,6 @@ mod tests {
                 "[defaults]\nvhacd_alpha = 0.5\n",
                 ":2: `vhacd_alpha`: V-HACD was removed; use decompose without a method",
             ),
-            // The first of several, in the order of the file.
             ("[defaults]\nzz = 1\naa = 2\n", ":2: unknown key `zz`"),
         ] {
             let message = error(text);

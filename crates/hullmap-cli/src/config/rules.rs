@@ -6,18 +6,14 @@ use std::path::{Path, PathBuf};
 use crate::glob::Glob;
 use crate::options::OptionLayer;
 
-/// A parsed `hullmap.toml`.
 #[derive(Debug)]
 pub struct Config {
-    /// The file, as named or found.
     pub path: PathBuf,
-    /// Options for every mesh.
     pub(super) defaults: OptionLayer,
     /// In the file's order: later rules override earlier ones.
     pub(super) rules: Vec<Rule>,
 }
 
-/// Options for the meshes that match one of several globs.
 #[derive(Debug)]
 pub(super) struct Rule {
     /// Line of the globs in the file.
@@ -32,23 +28,19 @@ pub(super) struct Rule {
 }
 
 impl Config {
-    /// Options that the file gives for a mesh.
-    ///
-    /// `below` is the mesh's path relative to the file's folder; `None` for a mesh outside that
-    /// folder, to which only globs without `/` can apply. `name` is its file name.
+    /// `below` is the mesh's path relative to the file's folder; `None` for a mesh outside, to
+    /// which only globs without `/` can apply. `name` is its file name.
     pub fn layer(&self, below: Option<&Path>, name: &Path) -> OptionLayer {
         let rules = self.rules.iter().filter(|rule| rule.matches(below, name));
         rules.fold(self.defaults.clone(), |lower, rule| rule.layer.laid_over(&lower))
     }
 
-    /// Whether the file leaves a mesh out; parameters as for [`layer`](Self::layer).
     pub fn skips(&self, below: Option<&Path>, name: &Path) -> bool {
         let rules = self.rules.iter().filter(|rule| rule.matches(below, name));
         rules.filter_map(|rule| rule.skip).next_back().unwrap_or(false)
     }
 
-    /// Options that the file gives for a mesh of a link, and whether it leaves the mesh alone;
-    /// `below` and `name` as for [`layer`](Self::layer).
+    /// Options for a mesh of a link, and whether the mesh is left alone.
     pub fn of_link(&self, link: &str, below: Option<&Path>, name: &Path) -> (OptionLayer, bool) {
         let rules: Vec<&Rule> = self.rules.iter().filter(|rule| rule.matches_link(link, below, name)).collect();
         let layer = rules.iter().fold(self.defaults.clone(), |lower, rule| rule.layer.laid_over(&lower));
@@ -64,13 +56,11 @@ impl Config {
 }
 
 impl Rule {
-    /// Whether the rule applies to a mesh; parameters as for [`Config::layer`].
     pub(super) fn matches(&self, below: Option<&Path>, name: &Path) -> bool {
         self.links.is_empty() && self.files.iter().any(|glob| glob.matches(below, name))
     }
 
-    /// Whether the rule applies to a mesh of a link: both must match, as far as the rule has globs
-    /// for them.
+    /// Both globs must match, where the rule has them.
     fn matches_link(&self, link: &str, below: Option<&Path>, name: &Path) -> bool {
         let link = Path::new(link);
         (self.files.is_empty() || self.files.iter().any(|glob| glob.matches(below, name)))

@@ -15,10 +15,8 @@ use crate::project::ROOT_MARKS;
 
 /// The `hullmap.toml` files of a build, each read once.
 ///
-/// The nearest file applies to a mesh: in the mesh's folder, or in the next folder above it that
-/// has one. The search ends at the folder that holds `.git` or `.hg`, otherwise at the root of the
-/// file system. So the choice depends on where the mesh lies, not on how it was named, or where
-/// `bake` was started.
+/// The nearest file at or above a mesh applies, up to the folder that holds `.git` or `.hg`. So the
+/// choice depends on where the mesh lies, not on how it was named, or where `bake` was started.
 #[derive(Debug)]
 pub struct Configs {
     choice: Choice,
@@ -26,34 +24,25 @@ pub struct Configs {
     found: HashMap<PathBuf, Option<Arc<Config>>>,
     /// Each file that was read, by its folder.
     read: HashMap<PathBuf, Arc<Config>>,
-    /// The files in use, by their canonical folders, each with the indices of the rules that
-    /// matched a mesh.
+    /// The files in use, by canonical folder, and the rules that matched a mesh.
     used: BTreeMap<PathBuf, (Arc<Config>, BTreeSet<usize>)>,
 }
 
-/// Settings in `hullmap.toml` for a mesh.
 #[derive(Debug, Default)]
 pub struct Chosen {
     pub layer: OptionLayer,
-    /// Whether it is left out.
     pub skips: bool,
-    /// The file with these settings, if any.
     pub config: Option<Arc<Config>>,
 }
 
 #[derive(Debug)]
 enum Choice {
-    /// No file.
     None,
-    /// This file for all meshes, with its canonical folder.
     One(Arc<Config>, PathBuf),
-    /// The nearest file for each mesh.
     Nearest,
 }
 
 impl Configs {
-    /// The files of a build: no file, the named one, or the nearest ones. Fails if the named file
-    /// cannot be read or is invalid.
     pub fn new(named: Option<&Path>, none: bool) -> Result<Self, Failure> {
         let choice = match named {
             _ if none => Choice::None,
@@ -66,7 +55,6 @@ impl Configs {
         Ok(Self { choice, found: HashMap::new(), read: HashMap::new(), used: BTreeMap::new() })
     }
 
-    /// Settings for `mesh`. Fails if the file cannot be read or is invalid.
     pub fn layer(&mut self, mesh: &Path) -> Result<Chosen, Failure> {
         if matches!(self.choice, Choice::None) {
             return Ok(Chosen::default());
@@ -85,7 +73,6 @@ impl Configs {
         Ok(Chosen { layer, skips, config })
     }
 
-    /// The `hullmap.toml` that applies to `file` in the canonical `folder`, and its own folder.
     fn applying(&mut self, folder: &Path, file: &Path) -> Result<(Option<Arc<Config>>, PathBuf), Failure> {
         match &self.choice {
             Choice::None => Ok((None, PathBuf::new())),
@@ -99,8 +86,7 @@ impl Configs {
         }
     }
 
-    /// Settings for a mesh of a link. The file is the one that applies to the description: meshes
-    /// may lie in packages elsewhere. Fails if the file cannot be read or is invalid.
+    /// The file is the one that applies to the description: meshes may lie in packages elsewhere.
     pub fn of_link(&mut self, description: &Path, link: &str, mesh: &Path) -> Result<Chosen, Failure> {
         let (config, root) = self.applying(&canonical(folder_of(description))?, description)?;
         let Some(config) = config else { return Ok(Chosen::default()) };
@@ -111,10 +97,9 @@ impl Configs {
         Ok(Chosen { layer, skips, config: Some(config) })
     }
 
-    /// Warnings, once [`layer`](Self::layer) has been called for each mesh of `inputs`: rules
-    /// without meshes, and unused options of decomposed meshes.
-    ///
-    /// `is_cut` returns whether meshes of a file are decomposed for other reasons.
+    /// Warnings about rules without meshes, and unused options of decomposed meshes, after
+    /// [`layer`](Self::layer) was called for each mesh. `is_cut`: whether a file's meshes are
+    /// decomposed for other reasons.
     pub fn warnings(&self, inputs: &[PathBuf], is_cut: impl Fn(&Path) -> bool) -> Vec<String> {
         let mut warnings = Vec::new();
         let folders: Vec<PathBuf> =
@@ -140,7 +125,6 @@ impl Configs {
         warnings
     }
 
-    /// The nearest file in or above a canonical folder. `shown` is the user's name of the folder.
     fn nearest(&mut self, folder: &Path, shown: &Path) -> Result<Option<Arc<Config>>, Failure> {
         if let Some(found) = self.found.get(folder) {
             return Ok(found.clone());
@@ -167,7 +151,6 @@ impl Configs {
     }
 }
 
-/// Whether a folder is marked as the root of a project.
 fn is_marked(folder: &Path) -> Result<bool, Failure> {
     for mark in ROOT_MARKS {
         if file_type(&folder.join(mark))?.is_some() {
@@ -194,8 +177,7 @@ fn cannot_search(path: &Path, error: &std::io::Error) -> Failure {
     ))
 }
 
-/// The file as the user would name it: `steps` folders above the folder named `shown`, or its
-/// canonical path if that name has fewer components.
+/// `steps` folders above `shown`, or the canonical path if that name has fewer components.
 fn shown_above(shown: &Path, steps: usize, canonical: &Path) -> PathBuf {
     let is_plain = !shown.components().any(|part| part == std::path::Component::ParentDir);
     let named = shown.ancestors().nth(steps).filter(|named| is_plain && *named != Path::new(""));
@@ -211,8 +193,7 @@ fn shown_above(shown: &Path, steps: usize, canonical: &Path) -> PathBuf {
     }
 }
 
-/// The folder's canonical path. A missing folder is returned unchanged: reading from it fails with
-/// a better message.
+/// A missing folder is returned unchanged: reading it fails with a better message.
 fn canonical(folder: &Path) -> Result<PathBuf, Failure> {
     match folder.canonicalize() {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(folder.to_owned()),
@@ -235,7 +216,6 @@ mod tests {
         folder
     }
 
-    /// Unit scale of a mesh, where each file sets its own.
     fn scale(configs: &mut Configs, root: &Path, mesh: &str) -> Option<f64> {
         match configs.layer(&root.join(mesh)).unwrap().layer.get("unit_scale") {
             Some(Value::Number(scale)) => Some(scale),

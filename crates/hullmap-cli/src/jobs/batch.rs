@@ -5,20 +5,17 @@
 //! 2. The others go to 2^k buckets by the hash of their places; k is the least with which the
 //!    average bucket is within the limits.
 //!
-//! A batch depends on the places and sizes of meshes alone, not on which packs are fresh. So an
-//! edit changes one batch, colleagues with the same meshes have the same batches, and a new mesh
-//! changes one batch, unless the number of buckets doubles.
+//! Batches depend on the places and sizes of meshes alone: an edit or a new mesh changes one batch,
+//! unless the number of buckets doubles, and colleagues with the same meshes have the same batches.
 
 use std::collections::BTreeMap;
 
 use super::shard::place_hash;
 
-/// Size of batches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BatchSize {
     /// Number of meshes; buckets may hold some more, because their sizes vary by chance.
     pub meshes: usize,
-    /// Bytes of their sources.
     pub bytes: u64,
 }
 
@@ -33,8 +30,7 @@ impl Default for BatchSize {
 /// Share of a batch's bytes from which a mesh is a batch of its own.
 const LARGE: u64 = 4;
 
-/// The batches of meshes at these places, of these sizes: indices in ascending order of places. The
-/// buckets come first, then the large meshes. Complexity: O(n log n).
+/// Batches as ascending indices by place, buckets before large meshes. Complexity: O(n log n).
 pub fn batches(meshes: &[(&str, u64)], size: BatchSize) -> Vec<Vec<usize>> {
     let mut order: Vec<usize> = (0..meshes.len()).collect();
     order.sort_by_key(|&index| meshes[index].0);
@@ -75,7 +71,6 @@ mod tests {
         let mut expected: Vec<&str> = places.iter().map(String::as_str).collect();
         expected.sort_unstable();
         assert_eq!(all, expected);
-        // Bytes can be the limit.
         assert_eq!(batched(&places, 1 << 20, BatchSize::default()).len(), 512);
         assert_eq!(batched(&places[..300], 1, BatchSize { meshes: 1000, bytes: 1000 }).len(), 1);
         assert!(batched(&[], 1, BatchSize::default()).is_empty());

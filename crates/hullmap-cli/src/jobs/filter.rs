@@ -5,7 +5,6 @@ use std::path::Path;
 use crate::args::MeshArgs;
 use crate::glob::Glob;
 
-/// The meshes that are left out.
 #[derive(Debug, Default)]
 pub struct Filter {
     /// Each with whether it has matched a mesh.
@@ -15,7 +14,6 @@ pub struct Filter {
 }
 
 impl Filter {
-    /// The filter that the flags describe.
     pub fn new(args: &MeshArgs) -> Self {
         Self {
             excluded: args.exclude.iter().map(|glob| (glob.clone(), false)).collect(),
@@ -40,7 +38,6 @@ impl Filter {
         !is_excluded && (below.is_none() || self.extensions.is_empty() || is_listed())
     }
 
-    /// The globs that have matched no mesh.
     pub fn unused(&self) -> impl Iterator<Item = &str> {
         self.excluded.iter().filter(|(_, has_matched)| !has_matched).map(|(glob, _)| glob.text.as_str())
     }

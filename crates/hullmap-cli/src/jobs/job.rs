@@ -1,5 +1,3 @@
-//! One mesh to bake.
-
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -11,19 +9,14 @@ use crate::pack_file::{folder_of, recorded_path, records_source};
 use crate::packs::PackPlace;
 use crate::project::Project;
 
-/// One mesh, its pack, and the options.
 #[derive(Clone, Debug)]
 pub struct Job {
-    /// The mesh, as named or found.
     pub source: PathBuf,
     /// Its path relative to the input folder, with `/`; the file name of a mesh that is itself an
-    /// input. The same on all machines.
+    /// input. It is the same on all machines.
     pub place: String,
-    /// The pack.
     pub output: PathBuf,
-    /// Remarks on the name of the pack.
     pub name: PackName,
-    /// The options that shape the pack.
     pub options: BuildOptions,
     /// The `hullmap.toml` they come from, if any.
     pub config: Option<PathBuf>,
@@ -38,9 +31,6 @@ pub struct Job {
 impl Job {
     /// The source's path, as the pack records it: relative if the source lies in the pack's
     /// [`Project`]. `start` is the folder where `bake` was started.
-    ///
-    /// # Errors
-    /// The canonical path of the source or of the pack's folder cannot be determined.
     pub fn recorded_path(&self, start: &Path) -> io::Result<String> {
         let name = || self.source.file_name().unwrap_or_default().to_string_lossy().into_owned();
         match (&self.records, self.options.record_source()) {
@@ -69,11 +59,7 @@ impl Job {
         (!self.inputs.is_empty()).then_some(sum)
     }
 
-    /// Bytes of the mesh and of its buffers, without reading buffers. 0 for files that cannot be
-    /// read: baking them fails with an error.
-    ///
-    /// # Complexity
-    /// O(1), unless the job is planned; a glTF file is read to find its buffers.
+    /// Bytes of the mesh and its buffers, whose files are not read, or 0 if it cannot be read.
     pub fn source_bytes(&self) -> u64 {
         if let Some(planned) = self.planned_bytes() {
             return planned;
@@ -86,14 +72,11 @@ impl Job {
     }
 }
 
-/// A file that a pack is baked from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct Input {
     /// Its path relative to the folder of the mesh: the name of the mesh, or the path of a buffer.
     pub path: String,
-    /// Its size.
     pub bytes: u64,
-    /// SHA-256 of its bytes.
     pub sha256: String,
 }

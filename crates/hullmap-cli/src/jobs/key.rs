@@ -13,32 +13,27 @@ use sha2::{Digest, Sha256};
 use super::job::{Input, Job};
 use crate::outcome::Failure;
 
-/// Everything that the bytes of a pack depend on. The key is SHA-256 of this value as compact JSON,
-/// with the fields in this order.
+/// The key is SHA-256 of this value as compact JSON, with the fields in this order.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Ingredients {
+pub struct KeyInputs {
     /// Version of the command: versions may choose other parts or other indices.
     pub baker: String,
-    /// Version of the file format.
     pub format_version: u32,
     /// File name of the mesh: its stem names hulls, and its extension decides the format.
     pub name: String,
-    /// The options, as the pack records them.
     pub options: String,
-    /// The path of the mesh, as the pack records it.
     pub records: String,
     /// The mesh, then its buffers in the order of the document.
     pub inputs: Vec<Input>,
 }
 
-impl Ingredients {
+impl KeyInputs {
     /// Reads the sources of a job; `project` is the folder where `bake` was started. Fails if they
     /// cannot be read, exceed the limits, or differ from the planned files.
     pub fn new(job: &Job, limits: &Limits, project: &Path) -> Result<Self, Failure> {
         Self::of_source(job, &read(job, limits)?, project)
     }
 
-    /// The ingredients of a job whose sources have been read.
     pub fn of_source(job: &Job, source: &SourceFile, project: &Path) -> Result<Self, Failure> {
         let name = job.source.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let records = job.recorded_path(project).map_err(|error| {
@@ -88,13 +83,12 @@ pub fn read(job: &Job, limits: &Limits) -> Result<SourceFile, Failure> {
     })
 }
 
-/// Compares a source, as it was read, with what was planned. Fails if its bytes differ, or the key
-/// of its pack would differ.
+/// Fails if the bytes of a source, or the key of its pack, differ from what was planned.
 pub fn check_planned(job: &Job, source: &SourceFile, project: &Path) -> Result<(), Failure> {
     if job.inputs.is_empty() && job.key.is_empty() {
         return Ok(());
     }
-    let found = Ingredients::of_source(job, source, project)?;
+    let found = KeyInputs::of_source(job, source, project)?;
     if !job.inputs.is_empty() && found.inputs != job.inputs {
         return Err(changed(job));
     }
@@ -119,7 +113,6 @@ pub fn inputs(name: &str, source: &SourceFile) -> Vec<Input> {
     std::iter::once(input(name, &source.bytes)).chain(beside).collect()
 }
 
-/// SHA-256 as 64 hexadecimal digits.
 pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
@@ -128,7 +121,6 @@ pub fn sha256(bytes: &[u8]) -> String {
 mod tests {
     use super::*;
 
-    /// The examples of the standard that defines SHA-256.
     #[test]
     fn hashes_match_the_standard() {
         assert_eq!(sha256(b""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
@@ -137,7 +129,7 @@ mod tests {
 
     #[test]
     fn every_ingredient_changes_the_key() {
-        let usual = Ingredients {
+        let usual = KeyInputs {
             baker: "1".to_owned(),
             format_version: 5,
             name: "a.obj".to_owned(),
@@ -146,7 +138,7 @@ mod tests {
             inputs: vec![Input { path: "a.obj".to_owned(), bytes: 3, sha256: sha256(b"abc") }],
         };
         let mut keys = vec![usual.key()];
-        let changes: [fn(&mut Ingredients); 7] = [
+        let changes: [fn(&mut KeyInputs); 7] = [
             |of| of.baker.push('1'),
             |of| of.format_version += 1,
             |of| of.name.push('x'),

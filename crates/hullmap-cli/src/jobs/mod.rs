@@ -10,9 +10,6 @@
 //! | [`batch`] | meshes that are baked together elsewhere |
 //! | [`key`] | everything that the bytes of a pack depend on |
 //! | [`task`] | a batch as JSON, which another machine can bake |
-//!
-//! [`jobs`] puts the first three together. Builds, shards and plans start from
-//! its list.
 
 pub mod batch;
 pub mod filter;
@@ -37,10 +34,8 @@ pub use job::Job;
 use pack_names::{PackName, Unnamed};
 use search::{Found, Mesh, in_words, without_meshes};
 
-/// What is to be baked, and what is not.
 #[derive(Debug)]
 pub struct Jobs {
-    /// The meshes to bake.
     pub jobs: Vec<Job>,
     /// Meshes in input folders whose formats are not supported.
     pub unread: Vec<Unread>,
@@ -50,38 +45,28 @@ pub struct Jobs {
     pub folders: Vec<PathBuf>,
 }
 
-/// A mesh whose format is not supported.
 #[derive(Debug)]
 pub struct Unread {
-    /// The mesh.
     pub source: PathBuf,
-    /// See [`Job::place`].
     pub place: String,
 }
 
 impl Jobs {
-    /// Reports the folders without meshes, and returns the jobs with the resulting exit code.
     pub fn report_empty(self) -> (Vec<Job>, Exit) {
         self.empty.iter().for_each(|folder| terminal::error(without_meshes(folder)));
         (self.jobs, if self.empty.is_empty() { Exit::Done } else { Exit::Usage })
     }
 }
 
-/// Messages that [`jobs`] prints while it searches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Messages {
-    /// Nothing.
     Silent,
-    /// Warnings about options without effect, and how many meshes have formats that are not
-    /// supported.
     Warnings,
-    /// Also a note for each mesh that is left out.
     All,
 }
 
-/// The meshes to bake, each with its options and its pack in `out`. Writes no file. Fails if an
-/// input or `hullmap.toml` cannot be read, no mesh is left, or an option on the command line has no
-/// effect on any mesh.
+/// Writes no file. Fails if an input or `hullmap.toml` cannot be read, no mesh is left, or an
+/// option on the command line affects no mesh.
 pub fn jobs(args: &MeshArgs, out: &Path, printed: Messages) -> Result<Jobs, Failure> {
     let warns = printed != Messages::Silent;
     if out.is_file() {
@@ -156,7 +141,6 @@ pub fn jobs(args: &MeshArgs, out: &Path, printed: Messages) -> Result<Jobs, Fail
     Ok(Jobs { jobs, unread, empty, folders })
 }
 
-/// Folder of the pack relative to `out`, and name of the mesh.
 fn place(mesh: &Mesh, out: &Path) -> String {
     let folder = mesh.folder.strip_prefix(out).unwrap_or(Path::new(""));
     slashed(&folder.join(mesh.source.file_name().unwrap_or_default()))

@@ -1,9 +1,8 @@
 //! Names of packs: `x.hullmap` for `x.obj`, or `x.obj.hullmap` beside `x.stl`. The names of
 //! triangle meshes differ in their extension alone.
 //!
-//! A mesh keeps its extension in the name of its pack if another mesh of the build would otherwise
-//! have the same pack, or a pack whose name differs in case alone, which is the same file on some
-//! systems. Only names count, so another mesh renames only packs of the same stem.
+//! A mesh keeps its extension if another mesh of the build would otherwise have the same pack, or
+//! one whose name differs in case alone, which is the same file on some systems.
 
 use std::collections::HashMap;
 use std::ffi::OsString;
@@ -13,10 +12,8 @@ use hullmap_format::header::FileKind;
 
 use super::search::Mesh;
 
-/// The pack of a mesh.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PackName {
-    /// Its path.
     pub output: PathBuf,
     /// Why its name has the extension of the mesh, if that was not requested.
     pub note: Option<String>,
@@ -26,14 +23,11 @@ pub struct PackName {
     pub clash: Option<String>,
 }
 
-/// A mesh whose pack needs a name.
 #[derive(Clone, Copy, Debug)]
 pub struct Unnamed<'a> {
-    /// The mesh.
     pub mesh: &'a Mesh,
     /// Whether the name keeps the extension of the mesh; `None` if the other names decide.
     pub keeps_extension: Option<bool>,
-    /// What is written.
     pub kind: FileKind,
 }
 
@@ -96,7 +90,6 @@ pub fn pack_names(meshes: &[Unnamed]) -> Vec<PackName> {
     names
 }
 
-/// Whether the packs of a mesh have this name, with or without the extension of the mesh.
 pub fn is_name_of(pack: &Path, source: &Path) -> bool {
     let is_name = |keeps: bool, kind: FileKind| pack.file_name() == Some(&file_name(source, keeps, kind));
     FileKind::ALL.iter().any(|kind| is_name(true, *kind) || is_name(false, *kind))
@@ -119,7 +112,6 @@ fn lower(path: Option<&Path>) -> String {
 mod tests {
     use super::*;
 
-    /// Names of the packs of meshes, each in a folder with these packs.
     fn names(meshes: &[&str], keeps_extension: Option<bool>) -> Vec<String> {
         names_of(meshes, keeps_extension, |_| FileKind::Pack)
     }
@@ -164,7 +156,6 @@ mod tests {
             // One file on systems that ignore case.
             (&["x.obj", "X.stl"], &["o/x.obj.hullmap", "o/X.stl.hullmap"]),
             (&["x.obj", "X.OBJ"], &["o/x.hullmap?", "o/X.hullmap?"]),
-            // The stem of one is the name of another.
             (&["x.obj", "x.obj.stl"], &["o/x.hullmap", "o/x.obj.stl.hullmap"]),
             (&["x.obj", "x.obj.stl", "x.ply"], &["o/x.obj.hullmap", "o/x.obj.stl.hullmap", "o/x.ply.hullmap"]),
             (&["x.v1.obj", "x.v2.obj"], &["o/x.v1.hullmap", "o/x.v2.hullmap"]),

@@ -1,5 +1,3 @@
-//! The meshes that inputs name, and the folders of their packs.
-
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -11,23 +9,18 @@ use crate::outcome::Failure;
 use crate::project::ROOT_MARKS;
 use hullmap_import::{NAMES, is_source, unread_format};
 
-/// One mesh and the folder of its pack.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mesh {
-    /// The mesh, as named or found.
     pub source: PathBuf,
-    /// The folder of its pack.
     pub folder: PathBuf,
 }
 
-/// The meshes in the inputs, and what else they contain.
 #[derive(Debug, Default)]
 pub struct Found {
     /// The meshes in the order of the inputs, sorted by name within each folder.
     pub meshes: Vec<Mesh>,
     /// Meshes in folders whose formats are not supported, in the same order.
     pub unread: Vec<Mesh>,
-    /// The folders without meshes.
     pub empty: Vec<PathBuf>,
     /// All folders that were searched, except those of packs.
     pub folders: Vec<PathBuf>,
@@ -38,8 +31,7 @@ pub struct Found {
 }
 
 impl Found {
-    /// The meshes in folders that are passed over, with the reason and the remedy; `None` if there
-    /// are none.
+    /// The meshes in folders that are passed over, with the reason and the remedy.
     pub fn passed_over(&self) -> Option<String> {
         let reasons = [(self.hidden, "hidden"), (self.ignored, "named by .gitignore")];
         let counts = reasons.iter().filter(|(count, _)| *count > 0).map(|(count, reason)| format!("{count} {reason}"));
@@ -53,8 +45,7 @@ impl Found {
 /// Packs of files lie in `out`; files in a folder keep their path relative to it. Links to folders
 /// are followed, except in cycles. A file that is reached twice with the same folder is baked once.
 /// In folders, hidden files and files that a `.gitignore` names are passed over, unless `is_all`.
-/// Fails if an input is missing or cannot be read, all of them are folders without meshes, or
-/// `filter` leaves none.
+/// Fails if an input is missing or cannot be read, or no mesh is left.
 pub fn search(inputs: &[PathBuf], out: &Path, filter: &mut Filter, is_all: bool) -> Result<Found, Failure> {
     let mut found = Found::default();
     let mut left_out = 0;
@@ -90,13 +81,11 @@ pub fn search(inputs: &[PathBuf], out: &Path, filter: &mut Filter, is_all: bool)
     Ok(Found { meshes, unread, ..found })
 }
 
-/// The fault of a folder without meshes.
 pub fn without_meshes(folder: &Path) -> String {
     format!("{}: no meshes ({NAMES}) in this folder; name a folder of meshes", folder.display())
 }
 
-/// Files of formats that are not supported, counted by extension: `2 .fbx (FBX), 53 .usd
-/// (USD)`; `None` if there are none.
+/// Unsupported files, counted by extension: `2 .fbx (FBX), 53 .usd (USD)`.
 pub fn in_words<'a>(files: impl Iterator<Item = &'a Path>) -> Option<String> {
     let mut counts: BTreeMap<(String, &str), usize> = BTreeMap::new();
     for file in files {
@@ -185,7 +174,6 @@ fn is_hidden(name: Option<&OsStr>) -> bool {
     name.is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
 }
 
-/// The link that leads nowhere, if that is the error.
 fn dangling(error: &Error) -> Option<&Path> {
     match error {
         Error::WithDepth { err, .. } => dangling(err),
@@ -224,7 +212,6 @@ mod tests {
     use super::*;
     use hullmap_format::header::FileKind;
 
-    /// A folder with empty files of these names.
     fn folder(names: &[&str]) -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
         for name in names {
@@ -269,7 +256,6 @@ mod tests {
         }
     }
 
-    /// The other inputs were not baked.
     #[test]
     fn a_folder_without_meshes_does_not_stop_the_others() {
         let meshes = folder(&["a/x.obj", "b/readme.txt", "c/y.usd"]);

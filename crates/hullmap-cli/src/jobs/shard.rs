@@ -1,8 +1,7 @@
 //! Shards: one build on several machines that share nothing but their inputs.
 //!
-//! A mesh belongs to the shard that XXH3-64 of its place selects: its path relative to the input
-//! folder. So shards are disjoint and complete without a database, whatever the order in which
-//! machines find files, and a new mesh moves no other.
+//! XXH3-64 of a mesh's place, its path relative to the input folder, selects its shard. So shards
+//! are disjoint and complete without a database, and a new mesh moves no other.
 
 use std::fmt;
 use std::str::FromStr;
@@ -17,12 +16,10 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Index of this shard, from 0.
     pub fn index(self) -> u32 {
         self.index
     }
 
-    /// Number of shards.
     pub fn count(self) -> u32 {
         self.count
     }
@@ -33,13 +30,10 @@ impl Shard {
     }
 }
 
-/// Index of the shard that a place belongs to, of at least one shard.
 pub fn shard_of(place: &str, count: u32) -> u32 {
-    // The remainder is below `count`.
     (place_hash(place) % u64::from(count.max(1))) as u32
 }
 
-/// Hash by which places are spread over shards and batches.
 pub fn place_hash(place: &str) -> u64 {
     XxHash3_64::oneshot(place.as_bytes())
 }
@@ -80,8 +74,7 @@ mod tests {
         }
     }
 
-    /// Machines with another version of the program must agree. The remainders come from the C
-    /// library xxHash.
+    /// Machines with another version must agree. The remainders come from the C library xxHash.
     #[test]
     fn the_shard_of_a_place_never_changes() {
         let shards = ["a.obj", "props/crate.glb", "ünï/ç.stl"].map(|place| shard_of(place, 1000));

@@ -1,8 +1,7 @@
 //! Tasks: batches of meshes as JSON, one per line, that any machine with the same files can bake.
 //!
-//! A task states the resolved options of each mesh, so it needs no `hullmap.toml`. Paths are
-//! relative to the folder where the plan was made; a pack's path is checked before anything is
-//! written.
+//! A task states resolved options, and needs no `hullmap.toml`. Paths are relative to the folder
+//! where the plan was made; a pack's path is checked before anything is written.
 
 use std::io::BufRead;
 use std::path::{Component, Path, PathBuf};
@@ -10,7 +9,7 @@ use std::path::{Component, Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::job::{Input, Job};
-use super::key::{Ingredients, sha256};
+use super::key::{KeyInputs, sha256};
 use super::pack_names::PackName;
 use super::slashed;
 use crate::options::BuildOptions;
@@ -19,35 +18,24 @@ use crate::packs::{is_baked, kind_by_name};
 /// Maximum length of a task in bytes. A batch of 256 meshes takes about 200 KiB.
 const MAX_BYTES: u64 = 64 << 20;
 
-/// Meshes that are baked together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct Task {
-    /// Index in the plan.
     pub task: usize,
     /// SHA-256 of the keys of its packs.
     pub key: String,
-    /// Folder of the packs.
     pub out: String,
-    /// Bytes of all sources.
     pub bytes: u64,
-    /// Estimated time on one core, in milliseconds.
     pub cost_ms: f64,
-    /// The meshes, sorted by place.
     pub meshes: Vec<TaskMesh>,
 }
 
-/// One mesh of a task.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct TaskMesh {
-    /// The mesh.
     pub source: String,
-    /// Its pack, relative to the folder of the packs.
     pub pack: String,
-    /// The options, as the pack records them.
     pub options: String,
-    /// The path of the mesh, as the pack records it.
     pub records: String,
     /// The key that the pack must have; empty if any will do.
     #[serde(default)]
@@ -58,9 +46,8 @@ pub struct TaskMesh {
 }
 
 impl TaskMesh {
-    /// A mesh of a plan. Fails if a path cannot be written as JSON, or would be another one on
-    /// Windows.
-    pub fn new(job: &Job, out: &Path, from: Ingredients) -> Result<Self, String> {
+    /// Fails if a path cannot be written as JSON, or would be another one on Windows.
+    pub fn new(job: &Job, out: &Path, from: KeyInputs) -> Result<Self, String> {
         let text = |path: &Path| {
             path.to_str().map(str::to_owned).ok_or_else(|| {
                 format!("{}: this path is not UTF-8, so it cannot be written to a plan; rename it", path.display())
@@ -87,7 +74,6 @@ impl TaskMesh {
 }
 
 impl Task {
-    /// A task of these meshes.
     pub fn new(task: usize, out: &Path, meshes: Vec<TaskMesh>) -> Self {
         let keys: String = meshes.iter().map(|mesh| mesh.key.as_str()).collect();
         let bytes = |mesh: &TaskMesh| mesh.inputs.iter().map(|input| input.bytes).sum::<u64>();
@@ -103,8 +89,7 @@ impl Task {
         }
     }
 
-    /// The jobs of the task, with packs in `out`. Fails if a path leads out of `out`, or this
-    /// version does not have the options.
+    /// Fails if a path leads out of `out`, or this version does not have the options.
     pub fn jobs(&self, out: &Path) -> Result<Vec<Job>, String> {
         self.meshes.iter().map(|mesh| mesh.job(out)).collect()
     }

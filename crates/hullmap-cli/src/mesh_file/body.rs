@@ -1,5 +1,3 @@
-//! A hull to export: name, vertices and faces, without its index.
-
 use std::f64::consts::FRAC_PI_2;
 
 use glam::DQuat;
@@ -17,7 +15,6 @@ pub const DENSITY: f64 = 1000.0;
 pub struct Inertial {
     /// In kilograms, for a density in kilograms per cubic unit.
     pub mass: f64,
-    /// The centre of mass.
     pub center: [f64; 3],
     /// Rows of the symmetric tensor.
     pub inertia: [[f64; 3]; 3],
@@ -37,7 +34,6 @@ impl Inertial {
     }
 }
 
-/// The rotation of each row of a matrix of three columns.
 fn rotated_rows(columns: [[f64; 3]; 3], up_axis: UpAxis) -> [[f64; 3]; 3] {
     [0, 1, 2].map(|row| rotated(columns.map(|column| column[row]), up_axis))
 }
@@ -45,19 +41,15 @@ fn rotated_rows(columns: [[f64; 3]; 3], up_axis: UpAxis) -> [[f64; 3]; 3] {
 /// A hull to be written. Field names are the JSON's.
 #[derive(Clone, Debug, Serialize)]
 pub struct Body {
-    /// Name in the file.
     pub name: String,
     /// 3 solid, 2 polygon, 1 segment, 0 point.
     pub rank: u32,
-    /// Index among the parts of its object.
     pub part: u32,
     /// Origin of the hull's frame in the frame of the source.
     pub origin: [f64; 3],
-    /// Vertices, in the order of the hull.
     pub positions: Vec<[f32; 3]>,
     /// Vertex indices of each face, counter-clockwise seen from outside.
     pub polygons: Vec<Vec<u32>>,
-    /// The primitive that may replace the hull.
     pub primitive: Option<BodyPrimitive>,
     /// Mass of the hull's mesh at density 1, if the pack records it; equal for all parts of a mesh.
     pub mesh: Option<Inertial>,
@@ -66,13 +58,10 @@ pub struct Body {
 /// A primitive instead of a hull. Field names are the JSON's.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct BodyPrimitive {
-    /// What it is.
     #[serde(serialize_with = "name_of_kind")]
     pub kind: PrimitiveKind,
-    /// Its centre.
     pub center: [f64; 3],
-    /// Rotation from its own axes, a unit quaternion x, y, z, w. The axis of capsules and cylinders
-    /// is z.
+    /// A unit quaternion x, y, z, w from its own axes. The axis of capsules and cylinders is z.
     pub rotation: [f64; 4],
     /// Box: half extents. Sphere: radius. Capsule and cylinder: radius, and half the length of the
     /// axis, without the ends of a capsule.
@@ -86,7 +75,6 @@ fn name_of_kind<S: serde::Serializer>(kind: &PrimitiveKind, serializer: S) -> Re
 }
 
 impl BodyPrimitive {
-    /// The primitive that may replace a hull, rotated.
     pub fn from_hull(hull: &Hull, up_axis: UpAxis) -> Option<Self> {
         let turn = match up_axis {
             UpAxis::Keep => DQuat::IDENTITY,
@@ -98,7 +86,6 @@ impl BodyPrimitive {
         Some(Self { kind, center, rotation, sizes, protrusion })
     }
 
-    /// The rotation.
     pub fn turn(&self) -> DQuat {
         DQuat::from_array(self.rotation)
     }
@@ -123,9 +110,8 @@ impl Body {
         }
     }
 
-    /// What the node of the hull states in glTF besides its shape: at the first part of a mesh, the
-    /// mesh's volume, its centre of mass, and its inertia about it at density 1. So a program can
-    /// give a body the mass of its mesh, which differs from the mass of the hulls.
+    /// Extras of the hull's glTF node: at the first part of a mesh, its volume, its centre of mass,
+    /// and its inertia about it at density 1. The hulls have another mass.
     pub fn extras(&self) -> Option<serde_json::Value> {
         let Inertial { mass, center, inertia } = self.mesh.filter(|_| self.part == 0)?;
         Some(
@@ -142,7 +128,6 @@ impl Body {
     }
 }
 
-/// The rotation of `bake build --up-axis`.
 pub fn rotated<T: Copy + std::ops::Neg<Output = T>>([x, y, z]: [T; 3], up_axis: UpAxis) -> [T; 3] {
     match up_axis {
         UpAxis::Keep => [x, y, z],
@@ -151,7 +136,6 @@ pub fn rotated<T: Copy + std::ops::Neg<Output = T>>([x, y, z]: [T; 3], up_axis: 
     }
 }
 
-/// A cube for unit tests, centred, with edges of length 2.
 #[cfg(test)]
 pub fn cube(name: &str) -> Body {
     let positions = (0..8_u8).map(|i| [0, 1, 2].map(|axis| f32::from(i >> axis & 1) * 2.0 - 1.0)).collect();
@@ -174,8 +158,7 @@ mod tests {
         }
     }
 
-    /// A slab in x and y stands up: its moments about y and z are exchanged, and products change
-    /// their sign with one axis.
+    /// A slab in x and y stands up: moments about y and z change places, and products their sign.
     #[test]
     fn a_tensor_turns_with_its_body() {
         let inertia = glam::DMat3::from_cols_array(&[1.0, 0.1, 0.2, 0.1, 2.0, 0.3, 0.2, 0.3, 4.0]);

@@ -1,9 +1,8 @@
 //! Hulls as binary glTF 2.0: a node and a mesh each, with triangles, or lines or points. The extras
 //! of a node have the mass of the mesh that the hull stands for.
 //!
-//! The file is one object of JSON and one buffer, so it is written here with serde_json. The crate
-//! `gltf` writes the container as well, but its types for the JSON bring five more packages into
-//! the command; it reads the files in the tests instead.
+//! The crate `gltf` would bring five more packages into the command for the types of its JSON; it
+//! reads the files in the tests.
 //!
 //! # Reference
 //! Khronos Group, "glTF 2.0 Specification", sections 3.6 (binary data) and 3.7 (geometry).
@@ -13,16 +12,13 @@ use serde_json::{Value, json};
 use super::body::Body;
 use super::glb_chunks::{self, BIN, JSON};
 
-/// Modes of primitives.
 const POINTS: u32 = 0;
 const LINES: u32 = 1;
 const TRIANGLES: u32 = 4;
 
-/// Component types of accessors.
 const U32: u32 = 5125;
 const F32: u32 = 5126;
 
-/// Targets of buffer views.
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
 
@@ -81,7 +77,6 @@ fn view([offset, length]: [usize; 2], target: u32) -> Value {
     json!({ "buffer": 0, "byteOffset": offset, "byteLength": length, "target": target })
 }
 
-/// Minimum and maximum of each coordinate.
 pub fn bounds(positions: &[[f32; 3]]) -> [[f32; 3]; 2] {
     let mut bounds = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
     for position in positions {

@@ -6,13 +6,10 @@
 /// `glTF` and the version.
 const MAGIC: [u32; 2] = [0x4654_6c67, 2];
 
-/// Types of the chunks.
 pub const JSON: u32 = 0x4e4f_534a;
-/// The first buffer.
 pub const BIN: u32 = 0x004e_4942;
 
-/// A file of these chunks. JSON is padded by spaces, all else by zeros. Fails if the file would be
-/// larger than 4 GiB, the limit of its header.
+/// JSON is padded by spaces, all else by zeros. Fails above 4 GiB, the limit of its header.
 pub fn write(mut chunks: Vec<(u32, Vec<u8>)>) -> Result<Vec<u8>, String> {
     for (kind, chunk) in &mut chunks {
         chunk.resize(chunk.len().next_multiple_of(4), if *kind == JSON { b' ' } else { 0 });
@@ -53,7 +50,6 @@ pub fn read(bytes: &[u8]) -> Result<Vec<(u32, &[u8])>, String> {
     Ok(chunks)
 }
 
-/// Whether these are the bytes of a GLB file.
 pub fn is_glb(bytes: &[u8]) -> bool {
     bytes.starts_with(&MAGIC[0].to_le_bytes())
 }

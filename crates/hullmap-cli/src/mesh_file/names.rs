@@ -20,10 +20,8 @@ use crate::terminal::is_escaped;
 /// file it stays below the 255 bytes of common file systems.
 const MAX_TOKEN: usize = 180;
 
-/// Maximum number of names in a message.
 pub const NAMES_IN_MESSAGE: usize = 5;
 
-/// Name of a hull whose own name has no usable character.
 const NAMELESS: &str = "hull";
 
 /// Names that Windows reserves for devices, with any extension.
@@ -118,7 +116,6 @@ pub fn godot(names: &[(&str, u32)], node: Option<&str>) -> Vec<String> {
     unique(bare.collect())
 }
 
-/// A name that Godot accepts unchanged for a node.
 fn node_name(name: &str) -> String {
     let name = token(name).replace('.', "_");
     let folded = name.to_ascii_lowercase();

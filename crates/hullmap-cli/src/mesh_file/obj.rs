@@ -1,8 +1,5 @@
 //! Hulls and triangle meshes as OBJ text. Each hull is an object of triangles, or of a line or
-//! point element.
-//!
-//! Coordinates are the shortest decimals that give the same `f32` again, also to a reader that
-//! rounds to `f64` first.
+//! point element. Coordinates read back as the same `f32`, also through `f64`.
 
 use std::fmt::Write as _;
 
@@ -19,7 +16,6 @@ pub fn write(bodies: &[Body], has_groups: bool) -> Vec<u8> {
     [FIRST_LINE.as_bytes(), &objects(bodies, has_groups, 0)].concat()
 }
 
-/// The objects, to follow a text with `before` vertices.
 pub fn objects(bodies: &[Body], has_groups: bool, before: usize) -> Vec<u8> {
     let mut text = String::new();
     // OBJ counts from 1, over all objects.
@@ -45,8 +41,7 @@ pub fn objects(bodies: &[Body], has_groups: bool, before: usize) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// The file of a triangle mesh, with the material of each triangle. Materials are named by their
-/// numbers, since their names are not known.
+/// Materials are named by their numbers: the file has no names.
 pub fn write_triangles(body: &Body, materials: &[u16]) -> Vec<u8> {
     let mut text = format!("# Triangle mesh, exported by bake\no {}\n", line(&body.name));
     push_vertices(&mut text, &body.positions);
@@ -90,7 +85,6 @@ fn push_vertices(text: &mut String, positions: &[[f32; 3]]) {
 fn push_element(text: &mut String, keyword: &str, vertices: impl Iterator<Item = u64>) {
     text.push_str(keyword);
     for vertex in vertices {
-        // Writing to a string cannot fail.
         let _ = write!(text, " {vertex}");
     }
     text.push('\n');

@@ -1,5 +1,4 @@
-//! Puts written files in place: each is complete or absent, and none replaces another unless the
-//! user requests it.
+//! Puts written files in place: each is complete or absent, and replaces another only on request.
 
 use std::fs;
 use std::io;
@@ -8,8 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::outcome::Failure;
 use crate::pack_file::{put_in_free_place, put_in_place, write_beside};
 
-/// Checks that no file exists at the targets, before anything is written. A link counts, also if it
-/// is broken.
+/// Fails if a file, or a link, exists at a target.
 pub fn check_free(targets: &[PathBuf]) -> Result<(), Failure> {
     match targets.iter().find(|target| fs::symlink_metadata(target).is_ok()) {
         Some(target) => Err(exists(target)),
@@ -27,7 +25,6 @@ pub fn put(target: &Path, bytes: &[u8], force: bool) -> Result<(), Failure> {
     })
 }
 
-/// The error for a file that cannot be written.
 pub fn cannot_write(target: &Path, error: &io::Error) -> Failure {
     Failure::usage(format!("{}: cannot write: {error}; check the path", target.display()))
 }

@@ -12,7 +12,6 @@ const COMMENT: &[u8] = b"convex hull, exported by bake";
 
 const COMMENT_OF_TRIANGLES: &[u8] = b"triangle mesh, exported by bake";
 
-/// Bytes of the comment.
 const COMMENT_LEN: usize = 80;
 
 /// The file. Fails if it would have more triangles than its header can count.
@@ -20,7 +19,6 @@ pub fn write(body: &Body) -> Result<Vec<u8>, String> {
     write_with(COMMENT, body)
 }
 
-/// The file of a triangle mesh. Fails as [`write`] does.
 pub fn write_triangles(body: &Body) -> Result<Vec<u8>, String> {
     write_with(COMMENT_OF_TRIANGLES, body)
 }

@@ -6,13 +6,11 @@
 //! 2. An `over` for each prim on the way to a group of hulls, and to a collider that is switched
 //!    off (`physics:collisionEnabled`).
 //! 3. A group, an `Xform` with one `Mesh` for each hull: a convex collider of the purpose `guide`.
+//!    It is beside its mesh, because prims with geometry must not be nested.
 //!
-//! Hulls are beside their mesh and not below it, because prims with geometry must not be nested.
-//!
-//! **Mass.** A simulator adds the masses of the colliders of a body. Parts overlap and protrude, so
-//! their own masses would be too large. Each part has a share of the mesh's mass, the mesh's centre
-//! of mass and the same share of the mesh's inertia. The sum is exactly the mesh's, whichever body
-//! the colliders belong to.
+//! **Mass.** A simulator adds the masses of a body's colliders. Parts overlap and protrude, so each
+//! gets a share of the mesh's mass, its centre of mass and the same share of its inertia. The sum
+//! is exactly the mesh's, whichever body the colliders belong to.
 //!
 //! **Limits on vertices.** Without them, readers would rebuild each hull with 64 vertices or fewer.
 //!
@@ -40,7 +38,6 @@ use crate::principal_axes::principal_axes;
 /// Maximum number of vertices of a convex hull in PhysX: indices are bytes.
 const PHYSX_VERTICES: usize = 255;
 
-/// Minimum limit on vertices that PhysX takes.
 const PHYSX_LEAST_VERTICES: usize = 4;
 
 /// Maximum number of prims on the way to another, so that writing does not exhaust the stack.
@@ -132,7 +129,7 @@ pub enum UsdError {
     Number(String),
 }
 
-/// The layer as text, and the meshes that get the mass of their hulls, for lack of their own.
+/// The layer as text, and the meshes that get the mass of their hulls, without a mass of their own.
 ///
 /// # Errors
 /// See [`UsdError`]. Nothing is written for any group if one fails.
@@ -180,7 +177,6 @@ struct Prim {
 }
 
 impl Prim {
-    /// The prim of a path below this one.
     fn descend(&mut self, path: &str) -> Result<&mut Self, UsdError> {
         let wrong = || UsdError::Path(path.escape_debug().to_string());
         let names = path.strip_prefix('/').ok_or_else(wrong)?;
@@ -215,7 +211,6 @@ impl Prim {
     }
 }
 
-/// A group of hulls, and the source of its mass.
 fn group_text(group: &UsdGroup<'_>) -> Result<(String, Option<MassSource>), UsdError> {
     if !is_identifier(&group.name) {
         return Err(UsdError::Path(group.name.escape_debug().to_string()));
@@ -317,18 +312,14 @@ fn record_text(hull: &Hull, mesh: &str) -> String {
     text + "            }\n"
 }
 
-/// Mass properties along principal axes.
 #[derive(Debug)]
 struct Principal {
     mass: f64,
     center: [f64; 3],
-    /// Moments about the principal axes.
     moments: DVec3,
-    /// Rotation from the principal axes to the axes of the frame.
     axes: DQuat,
 }
 
-/// The mass of a group, and its source; `None` if it has no mass.
 fn mass(group: &UsdGroup<'_>) -> Result<Option<(Principal, MassSource)>, UsdError> {
     let (density, total, scale) = match group.mass {
         UsdMass::None => return Ok(None),
@@ -352,7 +343,6 @@ fn mass(group: &UsdGroup<'_>) -> Result<Option<(Principal, MassSource)>, UsdErro
     Ok(Some((Principal { mass, center: own.center_of_mass.to_array(), moments, axes }, found.source)))
 }
 
-/// Mass properties in the axes of the export.
 fn turned(found: &MassProperties, rotation: UpAxis) -> MassProperties {
     let by = match rotation {
         UpAxis::Keep => return *found,
@@ -378,7 +368,6 @@ fn list<T: std::fmt::Display>(items: impl Iterator<Item = T>) -> String {
     let mut text = String::new();
     for item in items {
         let separator = if text.is_empty() { "" } else { ", " };
-        // Writing to a string does not fail.
         let _ = write!(text, "{separator}{item}");
     }
     text
@@ -402,7 +391,6 @@ pub fn identifier(name: &str) -> String {
     if name.is_empty() { "_".to_owned() } else { name }
 }
 
-/// A string in quotes.
 fn quoted(text: &str) -> String {
     let mut quoted = "\"".to_owned();
     for letter in text.chars() {
@@ -431,7 +419,6 @@ mod tests {
 
     use super::*;
 
-    /// A box of these edges with a corner at the origin.
     fn cuboid(edges: [f32; 3]) -> Pack {
         let corner = |i: usize| [0, 1, 2].map(|axis| edges[axis] * f32::from((i >> axis & 1) as u8));
         let points = PointSet {
@@ -510,14 +497,12 @@ mod tests {
         assert!(matches!(write(&UsdLayer { meters_per_unit: 0.0, ..layer(Vec::new()) }), Err(UsdError::Number(_))));
     }
 
-    /// The pack has no faces of a mesh, so its mass is the mass of the hull.
     #[test]
     fn a_box_has_the_mass_of_the_formula() {
         let pack = cuboid([1.0, 2.0, 4.0]);
         let scale = [3.0, 1.0, 0.5];
         let (mass, source) = mass(&group(&pack, UsdMass::Density { density: 2.0, scale })).unwrap().unwrap();
         assert_eq!(source, MassSource::Hulls);
-        // Edges 3, 2, 2, all of them scaled; the centre is not.
         assert!((mass.mass - 24.0).abs() < 1e-12, "{mass:?}");
         assert!(DVec3::from_array(mass.center).abs_diff_eq(DVec3::new(0.5, 1.0, 2.0), 1e-12), "{mass:?}");
         let mut moments = mass.moments.to_array();

@@ -9,7 +9,6 @@ use super::OptionLayer;
 use super::table::{BuildOption, OPTIONS, Section, position};
 use super::value::{Syntax, Value};
 
-/// Name of an option's flag, without the dashes in front.
 pub fn flag(key: &str) -> String {
     key.replace('_', "-")
 }
@@ -29,8 +28,7 @@ impl clap::Args for OptionLayer {
     }
 }
 
-/// The options of `bake decompose`. An option has help of its own if the help of `bake build` is
-/// also about whole hulls.
+/// Options have help of their own where the help of `bake build` is also about whole hulls.
 const OF_PARTS: [(&str, Option<&str>); 12] = [
     (
         "max_error",
@@ -56,8 +54,7 @@ const OF_PARTS: [(&str, Option<&str>); 12] = [
     ("up_axis", None),
 ];
 
-/// The options of a decomposition as flags of `bake decompose`. The meshes of a file are decomposed
-/// one by one.
+/// Options of a decomposition as flags of `bake decompose`.
 #[derive(Clone, Debug)]
 pub struct PartsLayer(pub OptionLayer);
 
@@ -114,7 +111,6 @@ impl clap::FromArgMatches for OptionLayer {
 }
 
 fn arg(option: &'static BuildOption, flag: &'static str) -> Arg {
-    // The defaults off and unlimited are not stated.
     let help = match option.default {
         value if value != "false" && option.syntax.parse(value) != Ok(Value::None) => {
             format!("{} [default: {value}]", option.help)
@@ -130,8 +126,7 @@ fn arg(option: &'static BuildOption, flag: &'static str) -> Arg {
         .hide_possible_values(true)
         .hide_short_help(option.is_advanced);
     match (option.syntax, option.default) {
-        // `--recentre` alone switches it on. A switch that is on by default can only be switched
-        // off, with a value.
+        // A switch that is on by default can only be switched off, with a value.
         (Syntax::Switch, "false") => arg.num_args(0..=1).require_equals(true).default_missing_value("true"),
         _ => arg,
     }

@@ -11,10 +11,8 @@ pub struct OptionLayer {
     pub(super) values: [Option<Value>; OPTION_COUNT],
 }
 
-/// Two options of one layer that contradict each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Clash {
-    /// The option to report.
     pub key: &'static str,
     other: &'static str,
     kind: ClashKind,
@@ -33,17 +31,15 @@ enum ClashKind {
 }
 
 impl Clash {
-    /// `key` has no effect on meshes that are not decomposed.
     pub(super) fn of_parts(key: &'static str) -> Self {
         Self { key, other: "decompose", kind: ClashKind::NoEffect }
     }
 
-    /// `key` has no effect on meshes that keep their triangles.
     pub(super) fn of_hulls(key: &'static str) -> Self {
         Self { key, other: "keep_triangles", kind: ClashKind::OfHulls }
     }
 
-    /// What is wrong and what to do; `name` turns a key into the option's name as it was written.
+    /// The error and its remedy; `name` turns a key into the option's name as it was written.
     pub fn message(&self, name: impl Fn(&str) -> String) -> String {
         let (key, other) = (name(self.key), name(self.other));
         match self.kind {
@@ -58,23 +54,18 @@ impl Clash {
 }
 
 impl OptionLayer {
-    /// Value of an option; `None` if the layer does not give it.
     pub fn get(&self, key: &str) -> Option<Value> {
         self.values[position(key)?]
     }
 
-    /// Value of the option at `index` in the table.
     pub fn value_at(&self, index: usize) -> Option<Value> {
         self.values[index]
     }
 
-    /// Sets the value of the option at `index` in the table.
     pub fn set_at(&mut self, index: usize, value: Option<Value>) {
         self.values[index] = value;
     }
 
-    /// Sets an option to the value that `text` states. Fails if no option has this key, or it does
-    /// not accept the value.
     pub fn set(&mut self, key: &str, text: &str) -> Result<(), String> {
         let unknown = || instead_of_option(key).map_or_else(|| format!("unknown option {key}"), str::to_owned);
         let index = position(key).ok_or_else(unknown)?;
@@ -82,7 +73,6 @@ impl OptionLayer {
         Ok(())
     }
 
-    /// Whether meshes are decomposed; `None` if the layer does not say.
     pub fn decompose(&self) -> Option<bool> {
         match self.get("decompose") {
             Some(Value::Switch(is_on)) => Some(is_on),
@@ -90,12 +80,10 @@ impl OptionLayer {
         }
     }
 
-    /// Whether meshes keep their triangles.
     pub(super) fn keeps_triangles(&self) -> bool {
         self.get("keep_triangles") == Some(Value::Switch(true))
     }
 
-    /// The first option of this layer that does not apply to meshes that keep their triangles.
     pub(super) fn first_option_of_hulls(&self) -> Option<&'static str> {
         let mut given = OPTIONS.iter().zip(&self.values).filter(|(_, value)| value.is_some());
         given.find(|(option, _)| !option.is_of_triangles).map(|(option, _)| option.key)
@@ -107,8 +95,7 @@ impl OptionLayer {
         given.find(|(option, _)| option.is_of_parts).map(|(option, _)| option.key)
     }
 
-    /// Two options of this layer that contradict each other. Options of different layers never do:
-    /// the upper layer wins.
+    /// Two contradicting options of this layer. Between layers, the upper one wins.
     pub fn clash(&self) -> Option<Clash> {
         let is_set = |key| self.get(key).is_some();
         let clash = |key, other, kind| Some(Clash { key, other, kind });
@@ -125,8 +112,7 @@ impl OptionLayer {
         }
     }
 
-    /// This layer laid over `lower`. Options of one [`Group`] are replaced together: the two limits
-    /// of a simplification.
+    /// This layer laid over `lower`. Options of one [`Group`] are replaced together.
     #[must_use]
     pub fn laid_over(&self, lower: &Self) -> Self {
         let mut result = self.clone();
@@ -151,7 +137,6 @@ pub mod tests {
     use super::*;
     use crate::options::removed::{COVER, INDEX, VHACD};
 
-    /// For each option a value that is not its default.
     pub const VALUES: [(&str, &str); OPTION_COUNT] = [
         ("split", "auto"),
         ("vertices", "all"),
@@ -177,7 +162,6 @@ pub mod tests {
         ("keep_triangles", "true"),
     ];
 
-    /// A layer with these values.
     pub fn layer(pairs: &[(&str, &str)]) -> OptionLayer {
         let mut layer = OptionLayer::default();
         for (key, value) in pairs {
@@ -268,7 +252,6 @@ pub mod tests {
         for (key, value) in [("max_parts", "8"), ("decompose_seconds", "2.5")] {
             assert_eq!(clash(&[("decompose", "false"), (key, value)]), Some(key));
             assert_eq!(clash(&[("decompose", "true"), (key, value)]), None);
-            // Another layer may decompose.
             assert_eq!(clash(&[(key, value)]), None);
         }
         assert_eq!(clash(&[("decompose", "true"), ("max_error", "2%"), ("max_vertices", "8")]), None);

@@ -35,14 +35,13 @@ impl fmt::Display for BuildOptions {
 /// The record of a decomposition: its method, since there were others.
 const COVER: &str = "cover";
 
-/// The three trees are recorded by their leaf size.
 fn recorded_index(kind: IndexKind) -> String {
     if kind.is_tree() { format!("tree {}", kind.leaf_size()) } else { kind.to_string() }
 }
 
 impl BuildOptions {
-    /// Recorded options for people: with the index by its name on the command line, if this version
-    /// has these options.
+    /// Recorded options for people: the index has its name on the command line, if this version has
+    /// it.
     pub fn recorded_in_words(text: &str) -> String {
         match Self::from_recorded(text).filter(|options| options.to_string() == text) {
             Some(options) => text.replacen(&recorded_index(options.index()), &options.index().to_string(), 1),
@@ -50,17 +49,14 @@ impl BuildOptions {
         }
     }
 
-    /// The parameters with which a text records that meshes were decomposed; `None` if they were
-    /// not, or if the options are not known.
+    /// The parameters of a recorded decomposition, if there was one with known options.
     pub fn recorded_cover(text: &str) -> Option<hullmap_bake::decompose::Cover> {
         Self::from_recorded(text)?.decompose()
     }
 
-    /// The options that a text records: the inverse of [`Display`](fmt::Display), except that an
-    /// index that can no longer be chosen becomes the one most like it. So packs of earlier
-    /// versions can be verified.
-    ///
-    /// `None` if a version of the tool with other options baked the pack.
+    /// The inverse of [`Display`](fmt::Display), except that an index of earlier versions becomes
+    /// the one most like it, so that old packs can be verified. `None` if this version does not
+    /// have the options.
     pub fn from_recorded(text: &str) -> Option<Self> {
         if instead_of_record(text) == Some(VHACD) {
             return None;
@@ -83,8 +79,7 @@ impl BuildOptions {
     }
 }
 
-/// Sets the options of a recorded index. A tree without its leaf size, as in the first packs, is
-/// the default tree.
+/// A tree without its leaf size, as in the first packs, is the default tree.
 fn set_index(layer: &mut OptionLayer, text: &str) -> Option<()> {
     if let Some(leaf_size) = text.strip_prefix("tree ") {
         let leaf_size: u32 = leaf_size.parse().ok()?;
@@ -103,9 +98,8 @@ mod tests {
     use super::*;
     use crate::options::resolved::tests::options;
 
-    /// The texts of options that differ from the defaults in one thing each, and some in several.
-    ///
-    /// These texts decide which packs are fresh: a change here makes all existing packs stale.
+    /// Texts of options that differ from the defaults. They decide which packs are fresh: a change
+    /// here makes all existing packs stale.
     const RECORDS: [(&[(&str, &str)], &str); 26] = [
         (&[], "split none, vertices referenced, index tree 8"),
         (&[("split", "object")], "split object, vertices referenced, index tree 8"),
@@ -175,7 +169,6 @@ mod tests {
             "split none, vertices all, index tree 8, unit_scale nan",
             "split none, vertices all, index tree 8, recentre",
             "split none, vertices all, index tree 8, pack_names full",
-            // V-HACD.
             "split none, vertices all, index tree 8, decompose true",
             "split none, vertices all, index tree 8, decompose true, vhacd_resolution 32",
         ] {
@@ -183,7 +176,6 @@ mod tests {
         }
     }
 
-    /// A budget of bytes, and cube maps of other resolutions.
     #[test]
     fn records_with_another_index_are_read() {
         for (index, is_removed) in [("tree 16", false), ("budget 40", true), ("cubemap 7", true), ("cubemap 64", false)]
@@ -192,7 +184,6 @@ mod tests {
             let found = BuildOptions::from_recorded(&text).unwrap();
             let expected = options(&[("split", "auto"), ("decompose", "true"), ("max_parts", "2")]);
             assert_eq!((found.decompose(), found.import()), (expected.decompose(), expected.import()), "{index}");
-            // It is stale, and shown as it was recorded.
             assert_eq!(
                 (found.to_string() != text, instead_of_record(&text).is_some()),
                 (is_removed, is_removed),

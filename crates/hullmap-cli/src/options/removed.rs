@@ -1,14 +1,11 @@
 //! Options of earlier versions that were removed, and what to use instead.
 
-/// Remedy for options of V-HACD. It names options without their dashes, so that it reads the same
-/// in messages about flags, keys and bindings.
+/// Remedy for options of V-HACD, without dashes: for flags, keys and bindings.
 pub const VHACD: &str = "V-HACD was removed; use decompose without a method: it finds fewer parts, with proven \
                          bounds. Parts that another tool made are imported by split auto";
 
-/// Remedy for the name of the only method.
 pub const COVER: &str = "decompose takes no method; use it alone, or with true";
 
-/// Remedy for other ways to choose an index.
 pub const INDEX: &str = "the options index-budget and resolution were removed; choose a kind with index: compact and \
                          medium are smaller than tree, and a cubemap has 64 cells along each edge";
 
@@ -32,7 +29,6 @@ pub fn instead_of_option(key: &str) -> Option<&'static str> {
     }
 }
 
-/// Remedy for a value that only earlier versions accepted; `None` if none did.
 pub fn instead_of_value(key: &str, value: &str) -> Option<&'static str> {
     match (key, value) {
         ("decompose", "vhacd") => Some(VHACD),
@@ -41,8 +37,7 @@ pub fn instead_of_value(key: &str, value: &str) -> Option<&'static str> {
     }
 }
 
-/// Remedy for an option in a pack's record. V-HACD was the first method, and is recorded as
-/// `decompose true`.
+/// V-HACD was the first method, and is recorded as `decompose true`.
 pub fn instead_of_record(record: &str) -> Option<&'static str> {
     let instead = |option: &str| match option {
         "decompose true" => Some(VHACD),

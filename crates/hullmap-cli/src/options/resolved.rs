@@ -13,33 +13,26 @@ use super::table::{OPTIONS, position};
 use super::value::Value;
 use crate::budget::{Budget, budget};
 
-/// Thickness of parts if no minimum is requested, relative to the diagonal: enough for an inside in
-/// spite of rounding.
+/// Default thickness of parts, relative to the diagonal: enough for an inside in spite of rounding.
 const THINNEST: f64 = 1e-5;
 
-/// The options of a bake. An option that has no value, or does not apply, has its default from the
-/// [`table`](super::table). With `decompose`, the defaults of `max_error` and `max_vertices` come
-/// from [`Cover::default`].
+/// An option that has no value, or does not apply, has its default from the
+/// [`table`](super::table), or from [`Cover::default`] for decomposed meshes.
 ///
 /// # Panics
-/// The methods panic if the [`table`](super::table) gives an option another kind of value than they
-/// expect: a fault of the program, which the tests of this module would show.
+/// The methods panic if the [`table`](super::table) has another kind of value: a bug.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BuildOptions(pub(super) OptionLayer);
 
-/// The path of its source that a pack records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RecordSource {
     /// Relative to the pack's folder; the name if that would lead out of the project.
     Relative,
-    /// The file name.
     Name,
-    /// Nothing.
     None,
 }
 
 impl OptionLayer {
-    /// The options, with defaults for options that this layer does not give or that do not apply.
     pub fn resolve(&self) -> BuildOptions {
         let mut resolved = self.clone();
         for (value, option) in resolved.values.iter_mut().zip(&OPTIONS) {
@@ -75,7 +68,6 @@ impl Default for BuildOptions {
 }
 
 impl BuildOptions {
-    /// How the source is read.
     pub fn import(&self) -> ImportOptions {
         ImportOptions {
             split: match self.word("split") {
@@ -97,12 +89,10 @@ impl BuildOptions {
         }
     }
 
-    /// Which direction index is built.
     pub fn index(&self) -> IndexKind {
         self.word("index").parse().expect("the table lists the names of index kinds")
     }
 
-    /// How meshes are decomposed into convex parts; `None` if they are not.
     pub fn decompose(&self) -> Option<Cover> {
         self.switch("decompose").then(|| Cover {
             max_error: self.max_error().unwrap_or(Cover::default().max_error),
@@ -118,27 +108,22 @@ impl BuildOptions {
         })
     }
 
-    /// Whether a static triangle mesh is written instead of a pack of hulls.
     pub fn keeps_triangles(&self) -> bool {
         self.switch("keep_triangles")
     }
 
-    /// The kind of file that is written.
     pub fn file_kind(&self) -> FileKind {
         if self.keeps_triangles() { FileKind::TriangleMesh } else { FileKind::Pack }
     }
 
-    /// Whether packs record primitives that may replace parts.
     pub fn has_primitives(&self) -> bool {
         self.switch("primitives")
     }
 
-    /// The limits of an engine on each hull; `None` if there are none.
     pub fn budget(&self) -> Option<&'static Budget> {
         budget(self.word("for_engine"))
     }
 
-    /// The smaller number: `vertices`, or the most that an engine certainly accepts.
     pub fn within_budget(&self, vertices: u32) -> u32 {
         self.budget().map_or(vertices, |budget| vertices.min(budget.sure_vertices()))
     }
@@ -180,8 +165,7 @@ impl BuildOptions {
         }
     }
 
-    /// Whether the pack's name keeps the extension of the mesh; `None` if the names of the other
-    /// meshes decide.
+    /// Whether the pack's name keeps the mesh's extension; `None`: the other names decide.
     pub fn keeps_extension(&self) -> Option<bool> {
         match self.word("pack_names") {
             "stem" => Some(false),
@@ -190,7 +174,6 @@ impl BuildOptions {
         }
     }
 
-    /// The path of its source that the pack records.
     pub fn record_source(&self) -> RecordSource {
         match self.word("record_source") {
             "name" => RecordSource::Name,
@@ -199,12 +182,10 @@ impl BuildOptions {
         }
     }
 
-    /// Whether packs leave out neighbours, quads, edges, and the faces of large hulls.
     pub fn is_lean(&self) -> bool {
         self.switch("lean")
     }
 
-    /// The latest format version that the files may have.
     pub fn format_version(&self) -> u32 {
         if self.keeps_triangles() {
             return triangle_mesh::FORMAT_VERSION;
@@ -242,7 +223,6 @@ fn unexpected(key: &str, value: Option<Value>) -> ! {
 pub mod tests {
     use super::*;
 
-    /// Options with these values, the others at their defaults.
     pub fn options(pairs: &[(&str, &str)]) -> BuildOptions {
         crate::options::layer::tests::layer(pairs).resolve()
     }

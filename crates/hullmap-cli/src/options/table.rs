@@ -1,45 +1,33 @@
 //! The table of all options that shape packs and triangle meshes: key, accepted values, default,
 //! help. The options of height fields are in `args/height_field.rs`.
 //!
-//! Flags and their help, the keys of `hullmap.toml`, its template, and the record in a pack all
-//! come from this table. An option that is recorded changes the hulls. Flags that apply to a whole
-//! run (`--jobs`, `--verify`, …) are in `args.rs`.
+//! Flags, their help, the keys of `hullmap.toml`, its template, and the record in a pack come from
+//! this table. Flags of a whole run (`--jobs`, `--verify`, …) are in `args.rs`.
 
 use super::removed::instead_of_value;
 use super::value::Syntax::{self, CountOrNone, LengthOrNone, Positive, PositiveOrNone, ShareOrNone, Switch, Words};
 use super::value::Value;
 
-/// One option.
 #[derive(Debug)]
 pub struct BuildOption {
-    /// Key in `hullmap.toml` and in records. The flag has `-` for `_`.
     pub key: &'static str,
-    /// Values it accepts.
     pub syntax: Syntax,
-    /// Its value if no source gives one, written as in `hullmap.toml` without quotes. With
-    /// `decompose`, the `none` of `max_error` and of `max_vertices` stands for the value in
-    /// [`Cover::default`](hullmap_bake::decompose::Cover).
+    /// As in `hullmap.toml`, without quotes. With `decompose`, `none` of `max_error` and of
+    /// `max_vertices` stands for the value in [`Cover::default`](hullmap_bake::decompose::Cover).
     pub default: &'static str,
-    /// Name of the value in the help.
     pub value_name: &'static str,
-    /// What it does, in one line.
     pub help: &'static str,
-    /// Section of the help and of the template.
     pub section: Section,
     /// Whether `-h` leaves it out; `--help` lists every option.
     pub is_advanced: bool,
-    /// The options that a higher layer replaces together with it.
     pub group: Group,
     /// Whether it applies to decomposed meshes alone.
     pub is_of_parts: bool,
-    /// Whether it applies to meshes that keep their triangles, too.
     pub is_of_triangles: bool,
-    /// How a pack records it.
     pub record: Record,
 }
 
 impl BuildOption {
-    /// Reads a value. Fails if `text` is not an accepted value. The error states what was expected.
     pub fn parse(&self, text: &str) -> Result<Value, String> {
         self.syntax.parse(text).map_err(|expected| match instead_of_value(self.key, text) {
             Some(instead) => instead.to_owned(),
@@ -51,26 +39,18 @@ impl BuildOption {
 /// Section of the help, by what an option changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
-    /// The shape of a hull, its size and its frame.
     Shape,
-    /// The number of hulls of a mesh.
     Parts,
-    /// The files that are read and written.
     Files,
-    /// The direction index.
     Index,
 }
 
-/// Options that one layer replaces together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Group {
-    /// The option alone.
     Single,
-    /// The limit of a simplification.
     Limit,
 }
 
-/// How a pack records an option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Record {
     Always,
@@ -81,10 +61,8 @@ pub enum Record {
 }
 
 impl Section {
-    /// All sections, in the order of the help.
     pub const ALL: [Self; 4] = [Self::Shape, Self::Parts, Self::Files, Self::Index];
 
-    /// Heading in the help.
     pub const fn heading(self) -> &'static str {
         match self {
             Self::Shape => "Shape",
@@ -339,10 +317,8 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     },
 ];
 
-/// Number of options.
 pub const OPTION_COUNT: usize = 22;
 
-/// Values that most options share.
 const OPTION: BuildOption = BuildOption {
     key: "",
     syntax: Switch,
@@ -357,7 +333,6 @@ const OPTION: BuildOption = BuildOption {
     record: Record::IfChanged,
 };
 
-/// Position of an option in the table.
 pub fn position(key: &str) -> Option<usize> {
     OPTIONS.iter().position(|option| option.key == key)
 }

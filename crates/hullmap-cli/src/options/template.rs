@@ -35,7 +35,6 @@ const RULES: &str = r#"
 # skip = true
 "#;
 
-/// Text of the file.
 pub fn template() -> String {
     let mut text = HEAD.to_owned();
     for section in Section::ALL {
@@ -47,7 +46,6 @@ pub fn template() -> String {
     text + RULES
 }
 
-/// Default of an option, as TOML.
 fn toml_value(option: &BuildOption) -> String {
     let value = option.default;
     let is_string = matches!(option.syntax, Syntax::Words(_)) || value == "none" || value.ends_with('%');

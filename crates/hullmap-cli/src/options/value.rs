@@ -4,18 +4,12 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// Values that an option accepts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Syntax {
-    /// One of these words.
     Words(&'static [&'static str]),
-    /// `true` or `false`.
     Switch,
-    /// A finite number above 0.
     Positive,
-    /// A whole number of at least `min`, or `none`.
     CountOrNone {
-        /// Minimum.
         min: u32,
     },
     /// A finite number above 0, or `none`.
@@ -26,16 +20,11 @@ pub enum Syntax {
     LengthOrNone,
 }
 
-/// Value of an option.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
-    /// One of an option's words.
     Word(&'static str),
-    /// `true` or `false`.
     Switch(bool),
-    /// A whole number.
     Count(u32),
-    /// A finite number.
     Number(f64),
     /// A finite number of hundredths.
     Percent(f64),
@@ -43,7 +32,6 @@ pub enum Value {
     None,
 }
 
-/// The shortest text that reads back as the same value.
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -58,7 +46,6 @@ impl fmt::Display for Value {
 }
 
 impl Syntax {
-    /// Reads a value. Fails if `text` is not an accepted value. The error states what was expected.
     pub fn parse(self, text: &str) -> Result<Value, String> {
         let value = match self {
             Self::CountOrNone { .. } | Self::PositiveOrNone | Self::ShareOrNone | Self::LengthOrNone
@@ -76,7 +63,6 @@ impl Syntax {
                     _ => percent.filter(|percent| *percent <= 100.0).map(Value::Percent),
                 }
             }
-            // Lengths of a mesh in metres.
             Self::LengthOrNone if text.ends_with("mm") => {
                 number(text[..text.len() - 2].trim_end(), |&x: &f64| x / 1000.0 > 0.0 && x.is_finite())
                     .map(|millimetres| Value::Number(millimetres / 1000.0))
@@ -88,7 +74,6 @@ impl Syntax {
         value.ok_or_else(|| format!("expected {}", self.accepted()))
     }
 
-    /// The accepted values, in words.
     fn accepted(self) -> String {
         match self {
             Self::Words(words) => format!("one of {}", words.join(", ")),

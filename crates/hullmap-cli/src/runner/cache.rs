@@ -7,8 +7,7 @@
 //! rename, and two writers of an entry write the same bytes. Entries are not trusted: a reader
 //! copies one and judges the copy like any pack on disk, see [`one`](super::one).
 //!
-//! The cache saves time and is never needed. If it cannot be read or written, packs are baked as
-//! without it, and one warning says so.
+//! If the cache cannot be read or written, packs are baked as without it, and one warning says so.
 
 use std::collections::BTreeSet;
 use std::io::{self, ErrorKind, Read};
@@ -23,7 +22,6 @@ use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, 
 /// Number of digits of a key that name a folder: 256 folders.
 const FOLDER_DIGITS: usize = 2;
 
-/// A folder of packs by key.
 pub struct Cache {
     root: PathBuf,
     state: Mutex<State>,
@@ -35,7 +33,6 @@ struct State {
     swept: BTreeSet<PathBuf>,
     /// The first entry that could not be read or written, and why.
     first_fault: Option<String>,
-    /// Number of such entries.
     fault_count: usize,
 }
 
@@ -71,14 +68,12 @@ impl Cache {
     }
 }
 
-/// The place of one pack in a cache.
 pub struct Entry<'c> {
     cache: &'c Cache,
     path: PathBuf,
 }
 
 impl Entry<'_> {
-    /// Its file.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -106,7 +101,6 @@ impl Entry<'_> {
         Ok(bytes)
     }
 
-    /// Adds a pack, in place of an existing one.
     pub fn write(&self, bytes: &[u8]) {
         if let Err(error) = self.write_bytes(bytes) {
             self.cache.fault(&self.path, "written", &error);

@@ -1,9 +1,9 @@
 //! Freshness: whether a pack is what a bake would write, judged by its bytes, never by time stamps.
 //!
-//! Here, a triangle mesh counts as a pack. A pack is fresh if its header holds this format version
-//! and the hash of the source's bytes; if it records the options and the source's path; and if it
-//! opens, which checks a checksum over every byte. So a damaged pack is never fresh. A stale header
-//! is detected after 64 bytes; checking a fresh pack costs less than hashing its source.
+//! A pack or triangle mesh is fresh if its header holds this format version and the hash of the
+//! source's bytes; if it records the options and the source's path; and if it opens, which checks a
+//! checksum over every byte. A stale header is detected after 64 bytes; checking a fresh pack costs
+//! less than hashing its source.
 
 use std::io::{self, Read};
 use std::path::Path;
@@ -16,33 +16,24 @@ use crate::open::{BakedFile, open_baked};
 use crate::options::BuildOptions;
 use crate::options::removed::instead_of_record;
 
-/// Why a pack is stale if the bytes of its source have changed.
 const SOURCE_CHANGED: &str = "the source has changed";
 
-/// Record that a fresh pack must have.
 #[derive(Debug)]
 pub struct Expected<'a> {
-    /// XXH3-128 of the source's bytes.
     pub source_hash: u128,
-    /// The job.
     pub job: &'a Job,
     /// The source's path, as a bake would record it.
     pub recorded_path: &'a str,
 }
 
-/// The file at a pack's path.
 #[derive(Debug)]
 pub enum Found {
-    /// The pack that a bake would write.
     Fresh(BakedFile),
-    /// Another file, and why it is stale.
     Stale(String),
-    /// No file.
     Missing,
 }
 
-/// Judges the pack at `path`. Complexity: one read of 64 bytes; for a pack with the right header
-/// one pass over its bytes.
+/// Complexity: one read of 64 bytes, and for the right header one pass over the bytes.
 pub fn judge(path: &Path, expected: &Expected) -> Found {
     let mut bytes = Vec::with_capacity(HEADER_LEN);
     let read = open_regular(path).and_then(|file| file.take(HEADER_LEN as u64).read_to_end(&mut bytes));

@@ -10,16 +10,14 @@ use hullmap_bake::IndexKind;
 
 use crate::jobs::Job;
 
-/// Memory per byte of an OBJ file. Measured: 17 to 20 for 100,000 and more points that all lie on
-/// the hull. An earlier version took 25 to 31, and with memory that the allocator retains from
-/// files of other threads up to 59, or up to 105 for 15,000 points.
+/// Memory per byte of an OBJ file. Measured: 17 to 20 for 100,000 points on the hull; earlier, up
+/// to 59 with what the allocator retains of other threads' files, and up to 105 for 15,000 points.
 const PER_TEXT_BYTE: u64 = 128;
 
 /// Memory per byte of the other formats and their buffers, where a point takes as little as 12
 /// bytes. Measured: 78, and up to twice that including retained memory.
 const PER_DENSE_BYTE: u64 = 320;
 
-/// Memory of each file, however short.
 const PER_FILE: u64 = 256 << 10;
 
 /// Memory per cell of a cube map while it is built and proven: 288 bytes, and up to as much that
@@ -29,10 +27,8 @@ const PER_CELL: u64 = 640;
 /// Maximum estimate, more than any machine has. A plan may state any size, and estimates are added.
 const MAX: u64 = 1 << 42;
 
-/// Estimated peak memory of baking this file, in bytes.
-///
-/// It excludes what only reading the file would reveal: glTF instances, which `--max-instanced`
-/// limits, and the cube maps of several hulls of one file, which may be built at the same time.
+/// Estimated peak memory in bytes. It excludes what only reading the file reveals: glTF instances,
+/// which `--max-instanced` limits, and several cube maps that are built at the same time.
 pub fn estimate(job: &Job) -> u64 {
     let per_byte = if is_text(&job.source) { PER_TEXT_BYTE } else { PER_DENSE_BYTE };
     let cells = match job.options.index() {
@@ -43,8 +39,7 @@ pub fn estimate(job: &Job) -> u64 {
     per_byte.saturating_mul(job.source_bytes()).saturating_add(estimate).min(MAX)
 }
 
-/// Whether points are decimal text. Text in other formats counts as dense, because only its
-/// contents distinguish it.
+/// Text in other formats counts as dense.
 fn is_text(path: &Path) -> bool {
     path.extension().is_none_or(|extension| extension.eq_ignore_ascii_case("obj"))
 }
@@ -84,7 +79,6 @@ mod tests {
         assert_eq!(of("a.obj", "12345", usual), 5 * PER_TEXT_BYTE);
         assert_eq!(of("a.ply", "12345", usual), 5 * PER_DENSE_BYTE);
         assert_eq!(of("a.bin", &"x".repeat(1000), usual), 1000 * PER_DENSE_BYTE);
-        // A buffer that no mesh of the scene uses is not read.
         let text = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
             "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
             "accessors":[{"bufferView":0,"componentType":5126,"count":1,"type":"VEC3"}],

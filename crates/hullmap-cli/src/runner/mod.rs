@@ -26,7 +26,6 @@ use one::Build;
 use progress::Progress;
 use rows::{Row, Status, write_json, write_table};
 
-/// Runs jobs and returns their results in the same order. Fails if no threads can be started.
 pub fn run(jobs: &[&Job], build: &Build, args: &RunArgs) -> Result<Vec<(Row, Exit)>, Failure> {
     let pool = pool(args)?;
     let costs: Vec<u64> = jobs.iter().map(|job| memory::estimate(job)).collect();
@@ -50,7 +49,6 @@ pub fn run(jobs: &[&Job], build: &Build, args: &RunArgs) -> Result<Vec<(Row, Exi
     Ok(results)
 }
 
-/// The threads that `--jobs` allows. Fails if they cannot be started.
 pub fn pool(args: &RunArgs) -> Result<rayon::ThreadPool, Failure> {
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(count) = args.jobs {
@@ -59,8 +57,7 @@ pub fn pool(args: &RunArgs) -> Result<rayon::ThreadPool, Failure> {
     pool.build().map_err(|error| Failure::usage(format!("cannot start threads: {error}")))
 }
 
-/// Prints notes, warnings and errors, in the order of the rows. `prunes` states whether orphans
-/// were to be removed.
+/// Prints messages in the order of the rows. `prunes`: orphans were to be removed.
 pub fn print_messages(rows: &[Row], is_quiet: bool, prunes: bool) {
     for row in rows {
         if !is_quiet {
@@ -86,7 +83,6 @@ pub fn print_messages(rows: &[Row], is_quiet: bool, prunes: bool) {
     }
 }
 
-/// Writes results as JSON, as a table, or not at all.
 pub fn write_rows(rows: &[Row], args: &RunArgs, is_check: bool, out: &mut Output) -> Result<(), Failure> {
     match (args.json, args.quiet) {
         (true, _) => write_json(rows, out),

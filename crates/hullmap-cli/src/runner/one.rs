@@ -16,7 +16,7 @@ use super::rows::{MAX_OBJECTS, Origin, Row, Status};
 use crate::args::verify::DEFAULT_DIRECTIONS;
 use crate::baker::BakedPack;
 use crate::jobs::Job;
-use crate::jobs::key::{Ingredients, check_planned, read};
+use crate::jobs::key::{KeyInputs, check_planned, read};
 use crate::open::{BakedFile, open_baked};
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
@@ -26,48 +26,36 @@ use hullmap_import::{self as import, Imported, Limits, SourceFile};
 use hullmap_verify::pack::{Reference, verify_hulls};
 use hullmap_verify::triangle_mesh::{SourceTriangles, verify_mesh};
 
-/// Bakes point sets into a pack: [`bake_pack`](crate::baker::bake_pack), except in tests.
 pub type Baker = dyn Fn(&[PointSet], &BuildOptions, &SourceRecord, Stage) -> Result<BakedPack, String> + Sync;
 
 /// Shares of the time of a job after which its source is read, and its pack is baked.
 const READ: f64 = 0.1;
 const BAKED: f64 = 0.9;
 
-/// Settings shared by all files of a build.
 #[derive(Clone, Copy)]
 pub struct Build<'a> {
-    /// Limits on source files.
     pub limits: Limits,
-    /// Verify each pack.
     pub verify: bool,
-    /// Bake fresh packs too.
     pub force: bool,
-    /// Bake nothing.
     pub check: bool,
     /// Finished packs by key.
     pub cache: Option<&'a Cache>,
-    /// The folder of the packs.
     pub out: &'a Path,
     /// The folder where `bake` was started: packs record only paths inside it.
     pub project: &'a Path,
-    /// The baker.
     pub baker: &'a Baker,
 }
 
-/// What became of an entry of the cache.
 enum Cached {
-    /// Its pack is in place.
     Taken,
     /// Its pack is not what a bake would write; the warning states why.
     Rejected(String),
-    /// There is none, or it cannot be read.
     Missing,
 }
 
 impl Build<'_> {
-    /// Does one job, whose progress `stage` shows. Every failure, including a panic in a library,
-    /// ends in the row's `error`; the exit code distinguishes rejected meshes from files that could
-    /// not be read or written.
+    /// Every failure, including a panic in a library, ends in the row's `error`; the exit code
+    /// distinguishes rejected meshes from files that could not be read or written.
     pub fn run(&self, job: &Job, stage: Stage) -> (Row, Exit) {
         let start = Instant::now();
         let (source, output) = (job.source.display().to_string(), job.output.display().to_string());
@@ -125,7 +113,7 @@ impl Build<'_> {
             return Ok(status);
         }
         let key = match self.cache {
-            Some(_) if job.key.is_empty() => Ingredients::of_source(job, &source, self.project)?.key(),
+            Some(_) if job.key.is_empty() => KeyInputs::of_source(job, &source, self.project)?.key(),
             // The planned key was checked.
             _ => job.key.clone(),
         };
@@ -206,7 +194,6 @@ impl Build<'_> {
         Ok(Cached::Taken)
     }
 
-    /// The bytes of the pack or of the triangle mesh, which the row then describes.
     fn bytes(
         &self,
         job: &Job,
@@ -260,7 +247,6 @@ impl Build<'_> {
         Ok(self.check.then_some(status))
     }
 
-    /// The source's path, as the pack records it.
     fn recorded_path(&self, job: &Job) -> Result<String, Failure> {
         job.recorded_path(self.project).map_err(|error| cannot_place(job, &error))
     }

@@ -16,16 +16,12 @@ use hullmap_bake::number::grouped;
 /// Shorter builds show no bars, which would only flicker.
 const BARS_AFTER: Duration = Duration::from_millis(300);
 
-/// Time after which a file in progress is shown by name.
 const NAME_AFTER: Duration = Duration::from_millis(300);
 
-/// Maximum number of files shown by name: the files in progress longest.
 const MAX_NAMES: usize = 6;
 
-/// Time between two lines without a terminal, so that logs stay short.
 const LINE_INTERVAL: Duration = Duration::from_secs(10);
 
-/// Share of the work after which the remaining time is estimated.
 const ESTIMATE_FROM: f64 = 0.02;
 
 /// Maximum change of the estimated total time, relative to itself, in the second half of the time
@@ -55,7 +51,6 @@ struct State {
     done_cost: u64,
     baked: usize,
     failed: usize,
-    /// Files in progress, by their index in the build.
     in_work: BTreeMap<usize, InWork>,
     last_line: Option<Instant>,
     /// Estimates of the total time, in seconds, in the second half of the time so far, and one
@@ -63,7 +58,6 @@ struct State {
     totals: VecDeque<(Duration, f64)>,
 }
 
-/// A file in progress.
 #[derive(Debug)]
 struct InWork {
     name: String,
@@ -73,7 +67,6 @@ struct InWork {
 }
 
 impl Progress {
-    /// Progress of a build of `files` files with this total cost.
     pub fn new(is_quiet: bool, files: usize, cost: u64) -> Self {
         let display = match terminal::screen() {
             _ if is_quiet => Display::None,
@@ -92,7 +85,6 @@ impl Progress {
         done
     }
 
-    /// Marks a file as done.
     pub fn end(&self, index: usize, status: Status) {
         let mut state = self.state();
         state.done_cost += state.in_work.remove(&index).map_or(0, |file| file.cost);
@@ -104,7 +96,6 @@ impl Progress {
         }
     }
 
-    /// Updates the display, if it is time to.
     pub fn tick(&self) {
         let now = Instant::now();
         match &self.display {
@@ -132,7 +123,6 @@ impl Progress {
         }
     }
 
-    /// Clears the bars.
     pub fn finish(&self) {
         if let Display::Bars { screen, .. } = &self.display {
             let _ = screen.clear();
@@ -184,8 +174,7 @@ impl State {
         }
     }
 
-    /// Remaining time; `None` until the estimate of the total time has been steady for half of the
-    /// time so far.
+    /// `None` until the estimate was steady for half of the time so far.
     fn time_left(&self, elapsed: Duration) -> Option<Duration> {
         let (&(first, _), &(_, total)) = (self.totals.front()?, self.totals.back()?);
         let is_steady = self.totals.iter().all(|(_, then)| (then - total).abs() <= STEADY * total);
@@ -199,7 +188,6 @@ impl State {
         self.done_cost + in_work.sum::<u64>()
     }
 
-    /// The summary, and the file in progress longest.
     fn line(&self, elapsed: Duration, now: Instant) -> String {
         let longest = self.longest(now, NAME_AFTER).into_iter().next();
         format!(
@@ -244,7 +232,6 @@ mod tests {
         assert_eq!(left(&|second| 10 * second, 3), None, "too little is done");
         assert_eq!(left(&|_| 1000, 20), None, "all is done");
         assert_eq!(left(&|second| (second as f64).sqrt() as u64 * 100, 20), None, "ever slower");
-        // Steady again for half of the time.
         assert_eq!(left(&|second| if second < 10 { 10 } else { 10 * second }, 19), None);
         assert_eq!(left(&|second| if second < 10 { 10 } else { 10 * second }, 20), Some(80.0));
         assert_eq!(State::default().time_left(Duration::ZERO), None);

@@ -1,5 +1,3 @@
-//! Results of a build, one row per file, as JSON and as a table.
-
 use serde::Serialize;
 
 use crate::outcome::Failure;
@@ -9,15 +7,12 @@ use crate::triangle_mesh::MeshSummary;
 use hullmap_bake::number::grouped;
 use hullmap_verify::estimates::DecomposedObject;
 
-/// Result of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
-    /// It was baked.
     Baked,
     /// The existing pack is what a bake would write.
     Fresh,
-    /// It was not baked, or its pack failed verification.
     Failed,
     /// `--check`: the existing pack is not what a bake would write.
     Stale,
@@ -31,11 +26,9 @@ pub enum Status {
     Unread,
 }
 
-/// Where a pack was baked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Origin {
-    /// Now, on this machine.
     Local,
     /// Earlier: `--cache` had it.
     Cache,
@@ -57,27 +50,19 @@ impl Status {
     }
 }
 
-/// Maximum number of objects in a row.
 pub const MAX_OBJECTS: usize = 1000;
 
 /// Result of one file. Field names are the JSON's; `None` if the file did not reach that step.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// The mesh; for an orphan, its former path.
     pub source: String,
-    /// The pack; empty if there is none.
     pub output: String,
-    /// The result.
     pub status: Status,
-    /// Why the pack was not fresh, or is an orphan, or why the mesh was not read.
     pub reason: Option<String>,
-    /// The options, as the pack records them.
     pub options: Option<String>,
-    /// Number of hulls in the pack.
     pub hulls: Option<usize>,
     /// Number of source points, over all hulls.
     pub vertices_in: Option<usize>,
-    /// Number of vertices in the source.
     pub vertices_source: Option<usize>,
     /// Number of vertices that no element references.
     pub vertices_unreferenced: Option<usize>,
@@ -90,20 +75,15 @@ pub struct Row {
     /// The first [`MAX_OBJECTS`] objects whose meshes were decomposed, or whose parts came with
     /// them; `None` for a pack that was not baked now.
     pub objects: Option<Vec<DecomposedObject>>,
-    /// What a triangle mesh consists of; `None` for a pack.
     pub triangle_mesh: Option<MeshSummary>,
-    /// Size of the pack.
     pub bytes: Option<u64>,
-    /// Where it was baked, if it was.
     pub origin: Option<Origin>,
     /// Time from start to end in milliseconds. A thread that waits for others works on another file
     /// meanwhile, so the times of many files add up to more than the whole took.
     pub millis: f64,
-    /// Findings of interest.
     pub notes: Vec<String>,
     /// Findings to act on, each with its remedy.
     pub warnings: Vec<String>,
-    /// Why it failed.
     pub error: Option<String>,
     /// Whether the baker is at fault, and not the mesh. Such a failure is not shared.
     #[serde(skip)]
@@ -111,7 +91,6 @@ pub struct Row {
 }
 
 impl Row {
-    /// A row with only these fields.
     pub fn new(source: String, output: String, status: Status) -> Self {
         Self {
             source,
@@ -147,8 +126,7 @@ pub fn write_json(rows: &[Row], out: &mut Output) -> Result<(), Failure> {
     Ok(out.flush()?)
 }
 
-/// Writes the rows, then a summary of all. Rows of fresh packs and of meshes that were not read are
-/// written only if `lists_all`.
+/// Rows of fresh packs and unread meshes are written only if `lists_all`.
 pub fn write_table(rows: &[Row], lists_all: bool, is_check: bool, out: &mut Output) -> Result<(), Failure> {
     let is_usual = |row: &Row| matches!(row.status, Status::Fresh | Status::Unread);
     let listed: Vec<&Row> = rows.iter().filter(|row| lists_all || !is_usual(row)).collect();
@@ -236,7 +214,6 @@ fn summary(rows: &[Row], is_check: bool) -> String {
     format!("{}; {contents} in {} bytes", counts.join(", "), grouped(bytes))
 }
 
-/// The rank of all hulls, or the range of ranks.
 fn ranks(ranks: &[u32]) -> String {
     match (ranks.iter().min(), ranks.iter().max()) {
         (Some(min), Some(max)) if min < max => format!("{min}-{max}"),

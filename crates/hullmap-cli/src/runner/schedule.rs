@@ -5,13 +5,11 @@ use std::ops::Bound;
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
-/// Interval between calls of `tick`.
 const TICK: Duration = Duration::from_millis(100);
 
 /// Files in flight per thread: one in progress and one waiting, so that no thread is idle.
 const IN_FLIGHT_PER_THREAD: usize = 2;
 
-/// Files in flight, and results.
 struct State<R> {
     results: Vec<Option<R>>,
     in_flight: usize,
@@ -21,10 +19,9 @@ struct State<R> {
 /// Runs `work(0)`, `work(1)`, … on the pool and returns the results in this order. Items in flight
 /// cost at most `budget` in total; an item that costs more is in flight alone.
 ///
-/// Of the items that fit, the most expensive is started first, so that no large file is left to the
-/// end. Of equally expensive items, the first is started. The limit never blocks the pool's
-/// threads: an item in flight may use all of them, and while it waits, they work on other items in
-/// flight. `tick` runs on the caller's thread ten times a second. Panics if `work` does.
+/// The most expensive fitting item is started first, so that no large file is left to the end; ties
+/// go to the first. The limit never blocks the pool's threads: while an item waits, they work on
+/// others in flight. `tick` runs on the caller's thread ten times a second. Panics if `work` does.
 pub fn run_bounded<R: Send>(
     pool: &rayon::ThreadPool,
     costs: &[u64],
@@ -36,8 +33,7 @@ pub fn run_bounded<R: Send>(
     let (state, has_ended) = (Mutex::new(state), Condvar::new());
     let max_in_flight = IN_FLIGHT_PER_THREAD * pool.current_num_threads();
     let count = costs.len();
-    // Indices are counted from the end, so that the maximum entry is the first of the most
-    // expensive items.
+    // Counted from the end: the maximum entry is the first of the most expensive items.
     let mut waiting: BTreeSet<(u64, usize)> = costs.iter().enumerate().map(|(at, &cost)| (cost, count - at)).collect();
     pool.in_place_scope(|scope| {
         let mut now = state.lock().unwrap_or_else(PoisonError::into_inner);
@@ -96,7 +92,6 @@ mod tests {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
     }
 
-    /// Costs from 1 to 60, and one above every budget.
     fn costs(count: usize) -> Vec<u64> {
         (0..count as u64).map(|index| if index == 7 { 1000 } else { 1 + index * 37 % 60 }).collect()
     }
@@ -113,7 +108,6 @@ mod tests {
                 } else {
                     peak.fetch_max(now, Ordering::SeqCst);
                 }
-                // Inner work on the same pool, and a wait in which a thread may take another item.
                 let sum: u64 = (0..2000_u64).into_par_iter().map(|number| number % 7).sum();
                 std::thread::sleep(Duration::from_micros(50));
                 in_flight.fetch_sub(costs[at], Ordering::SeqCst);

@@ -11,8 +11,7 @@
 //! shear, the positions are transformed and rounded.
 //!
 //! A primitive that may replace the hull is written as a shape of `KHR_implicit_shapes` or
-//! `OMI_physics_shape` instead, unless hulls are drawn or the node is distorted. The axis of these
-//! shapes is y.
+//! `OMI_physics_shape`, with the axis y, unless hulls are drawn or the node is distorted.
 //!
 //! # Reference
 //! Khronos, "KHR_physics_rigid_bodies" and "KHR_implicit_shapes", the drafts of [`Draft`]; Open
@@ -35,7 +34,6 @@ use super::edit::{Edits, Members, elements, members};
 use crate::mesh_file::body::{Body, BodyPrimitive};
 use crate::mesh_file::glb::bounds;
 
-/// Names of extensions.
 const KHR_BODY: &str = "KHR_physics_rigid_bodies";
 const OMI_BODY: &str = "OMI_physics_body";
 const OMI_SHAPE: &str = "OMI_physics_shape";
@@ -45,7 +43,6 @@ const KHR_SHAPE: &str = "KHR_implicit_shapes";
 /// Files have about seven digits, and readers accept a few thousandths.
 const DISTORTION: f64 = 1e-5;
 
-/// Component types of accessors, and targets of buffer views.
 const U32: u32 = 5125;
 const F32: u32 = 5126;
 const VERTICES: u32 = 34962;
@@ -63,21 +60,16 @@ pub enum Draft {
     June2026,
 }
 
-/// Which extensions are written, and how.
 #[derive(Clone, Copy, Debug)]
 pub struct Form {
-    /// The draft of `KHR_physics_rigid_bodies`, if it is written.
     pub khr: Option<Draft>,
     /// Whether `OMI_physics_body` is written.
     pub is_omi: bool,
-    /// Whether the hulls are drawn.
     pub is_visible: bool,
-    /// Whether positions are written in the frame of the node, so that the new node needs no
-    /// transform.
+    /// Whether positions are in the frame of the node, so that the new node needs no transform.
     pub is_in_node: bool,
 }
 
-/// A hull, and where it belongs.
 #[derive(Debug)]
 pub struct Collider {
     /// The hull, in the frame of its pack.
@@ -86,14 +78,11 @@ pub struct Collider {
     pub mesh_name: Option<String>,
     /// Node below which it is added; `None`: at the root of the scene.
     pub node: Option<usize>,
-    /// Transform from the frame of the pack to the frame of the node, or of the scene.
     pub pack_in_node: DAffine3,
 }
 
-/// A node that is a rigid body.
 #[derive(Debug)]
 pub struct Motion {
-    /// Index of the node.
     pub node: usize,
     /// In kilograms.
     pub mass: f64,
@@ -101,7 +90,6 @@ pub struct Motion {
     pub center: DVec3,
     /// Principal moments of inertia, in kg·m².
     pub moments: DVec3,
-    /// Rotation from the principal axes to the axes of the node.
     pub orientation: DQuat,
 }
 
@@ -123,12 +111,10 @@ pub fn add(file: &GltfFile, colliders: &[Collider], motions: &[Motion], form: &F
     file.with(text, &added)
 }
 
-/// Whether a number is finite in f32. NaN is not.
 fn is_in_range(number: f64) -> bool {
     number.abs() <= f64::from(f32::MAX)
 }
 
-/// Fails if positions of a hull in its node, or its matrix, overflow 32 bits.
 fn check_range(collider: &Collider) -> Result<(), String> {
     let place =
         |position: &[f32; 3]| collider.pack_in_node.transform_point3(DVec3::from_array(position.map(f64::from)));
@@ -144,17 +130,13 @@ fn check_range(collider: &Collider) -> Result<(), String> {
     ))
 }
 
-/// Where new bytes go.
 struct Buffer {
-    /// Index of the buffer.
     index: usize,
-    /// Place of the first new byte in it.
     base: usize,
     is_chunk: bool,
     bytes: Vec<u8>,
 }
 
-/// Lists of a document that grow.
 #[derive(Clone, Copy)]
 enum List {
     Nodes,
@@ -170,20 +152,15 @@ struct Writer<'a> {
     text: &'a str,
     root: &'a Members<'a>,
     edits: Edits<'a>,
-    /// For each list its elements, and new ones.
     old: [Vec<&'a RawValue>; 5],
     new: [Vec<String>; 5],
-    /// New children of nodes, and of the scene.
     children: BTreeMap<usize, Vec<usize>>,
     roots: Vec<usize>,
-    /// New extensions of nodes.
     extensions: BTreeMap<usize, Vec<(&'static str, String)>>,
-    /// For each list of shapes, by [`KHR_SHAPE`] and [`OMI_SHAPE`], the number of shapes that the
-    /// file had, and the new shapes.
+    /// For each list of shapes, the number that the file had, and the new ones.
     shapes: [(usize, Vec<String>); 2],
 }
 
-/// The lists of shapes, in their order.
 const SHAPE_LISTS: [&str; 2] = [KHR_SHAPE, OMI_SHAPE];
 const KHR_LIST: usize = 0;
 const OMI_LIST: usize = 1;
@@ -223,7 +200,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// Where new bytes go: to the end of the BIN chunk, if it is or may become the first buffer.
+    /// Place of new bytes: the end of the BIN chunk, if it is or may become the first buffer.
     fn buffer(&self, file: &GltfFile) -> Result<Buffer, String> {
         let buffers = &self.old[List::Buffers as usize];
         let is_chunk = match buffers.first() {
@@ -235,7 +212,6 @@ impl<'a> Writer<'a> {
         Ok(Buffer { index, base, is_chunk, bytes: Vec::new() })
     }
 
-    /// Adds an element to a list, and returns its index.
     fn push(&mut self, list: List, element: String) -> usize {
         let (old, new) = (self.old[list as usize].len(), &mut self.new[list as usize]);
         new.push(element);
@@ -317,7 +293,6 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// Adds a node below the node of a collider's object.
     fn add_node(&mut self, collider: &Collider, mut node: serde_json::Value) {
         // A body of the scene has its mass.
         if let Some(extras) = collider.body.extras().filter(|_| collider.node.is_none()) {
@@ -330,14 +305,12 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Adds a shape to a list, and returns its index.
     fn add_shape(&mut self, list: usize, shape: &serde_json::Value) -> usize {
         let (before, new) = &mut self.shapes[list];
         new.push(shape.to_string());
         *before + new.len() - 1
     }
 
-    /// Adds a primitive in the frame of its shape, instead of a hull.
     fn add_primitive(&mut self, collider: &Collider, primitive: &BodyPrimitive, form: &Form) {
         let ([a, b, c], kind) = (primitive.sizes, primitive.kind.as_str());
         let sizes = match primitive.kind {
@@ -354,7 +327,6 @@ impl<'a> Writer<'a> {
             extensions.insert(KHR_BODY.to_owned(), json!({ "collider": { "geometry": geometry } }));
         }
         if form.is_omi {
-            // It has one radius.
             let round = json!({ "type": kind, kind: { "radius": a, "height": 2.0 * b } });
             let is_long = matches!(primitive.kind, PrimitiveKind::Capsule | PrimitiveKind::Cylinder);
             let shape = self.add_shape(OMI_LIST, if is_long { &round } else { &shape });
@@ -416,7 +388,6 @@ impl<'a> Writer<'a> {
         Ok(buffer.bytes)
     }
 
-    /// The text with everything new in it.
     fn finish(mut self, form: &Form) -> Result<String, String> {
         self.add_to_nodes()?;
         let mut new_members: Vec<(&str, String)> = Vec::new();
@@ -444,7 +415,6 @@ impl<'a> Writer<'a> {
         Ok(self.edits.apply())
     }
 
-    /// Appends to a list of the document, or adds the list.
     fn append_or_add(
         &mut self,
         name: &'static str,
@@ -518,7 +488,6 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// The list of shapes that the document has for an extension.
 fn shapes_of<'a>(root: &Members<'a>, name: &str) -> Result<Option<&'a RawValue>, String> {
     let Some(extensions) = root.get("extensions") else {
         return Ok(None);
@@ -529,14 +498,13 @@ fn shapes_of<'a>(root: &Members<'a>, name: &str) -> Result<Option<&'a RawValue>,
     }
 }
 
-/// Text of an object with these members.
 fn object(members: &[(&str, String)]) -> String {
     let members: Vec<String> = members.iter().map(|(name, value)| format!("\"{name}\":{value}")).collect();
     format!("{{{}}}", members.join(","))
 }
 
-/// Whether a transform is a rotation, a uniform scale and a translation: what the node of a
-/// collider may have. NaN takes the failing branch.
+/// Whether a transform is a rotation, a uniform scale and a translation, as a collider's node
+/// requires. NaN takes the failing branch.
 fn is_similarity(transform: &DAffine3) -> bool {
     let product = transform.matrix3.transpose() * transform.matrix3;
     let scale_sq = product.x_axis.x;
@@ -583,7 +551,6 @@ mod tests {
             )
         };
         assert!(add(DVec3::splat(1e38), 0.0).is_ok() && add(DVec3::new(1e38, 1.0, 1.0), 0.0).is_ok());
-        // As a matrix, and as positions.
         for scale in [DVec3::splat(1e39), DVec3::new(1.0, 1e39, 1.0), DVec3::NAN] {
             let error = add(scale, 0.0).unwrap_err();
             assert!(error.starts_with("hull stone: a coordinate in the scene is "), "{error}");

@@ -4,11 +4,9 @@ use std::borrow::Cow;
 
 use crate::mesh_file::glb_chunks::{self, BIN, JSON};
 
-/// A glTF file.
 pub struct GltfFile<'a> {
-    /// The JSON text.
     pub text: Cow<'a, str>,
-    /// What a text file has before the JSON: a byte order mark, or nothing.
+    /// Start of a text file, before the JSON: a byte order mark, or nothing.
     mark: &'a [u8],
     /// The BIN chunk and all chunks after it; `None` for a text file.
     chunks: Option<Chunks<'a>>,
@@ -20,7 +18,6 @@ struct Chunks<'a> {
 }
 
 impl<'a> GltfFile<'a> {
-    /// Takes a file apart. Fails if its container is damaged, or its text is not UTF-8.
     pub fn open(bytes: &'a [u8]) -> Result<Self, String> {
         let as_text = |bytes: &'a [u8]| {
             std::str::from_utf8(bytes).map(Cow::Borrowed).map_err(|_| "its text is not UTF-8".to_owned())
@@ -44,13 +41,11 @@ impl<'a> GltfFile<'a> {
         Ok(Self { text, mark: b"", chunks: Some(Chunks { buffer, others }) })
     }
 
-    /// A GLB file without any objects.
     pub fn empty() -> Self {
         let text = r#"{"asset":{"version":"2.0","generator":"bake"},"scene":0,"scenes":[{}]}"#;
         Self { text: Cow::Borrowed(text), mark: b"", chunks: Some(Chunks { buffer: None, others: Vec::new() }) }
     }
 
-    /// Whether the file is a GLB file.
     pub fn is_glb(&self) -> bool {
         self.chunks.is_some()
     }
@@ -60,8 +55,7 @@ impl<'a> GltfFile<'a> {
         self.chunks.as_ref().and_then(|chunks| chunks.buffer)
     }
 
-    /// The file with another text, and with `added` at the end of the BIN chunk. A text file takes
-    /// no added bytes. Fails if a GLB file would be too large.
+    /// The file with another text, and `added` at the end of the BIN chunk, which text files lack.
     pub fn with(&self, text: String, added: &[u8]) -> Result<Vec<u8>, String> {
         let Some(Chunks { buffer, others }) = &self.chunks else {
             return Ok([self.mark, text.as_bytes()].concat());

@@ -5,39 +5,32 @@ use std::ops::Range;
 
 use serde_json::value::RawValue;
 
-/// Members of an object, with their text. If several members have the same name, the last one
-/// counts, as in other readers.
+/// The last one of equal names counts, as in other readers.
 pub type Members<'a> = BTreeMap<String, &'a RawValue>;
 
-/// Members of the object in this text.
 pub fn members(object: &str) -> Result<Members<'_>, String> {
     serde_json::from_str(object).map_err(|error| format!("expected an object: {error}"))
 }
 
-/// Elements of the list in this text.
 pub fn elements(list: &str) -> Result<Vec<&RawValue>, String> {
     serde_json::from_str(list).map_err(|error| format!("expected a list: {error}"))
 }
 
-/// A text, and insertions into it.
 pub struct Edits<'a> {
     text: &'a str,
     edits: Vec<(Range<usize>, String)>,
 }
 
 impl<'a> Edits<'a> {
-    /// No insertions into `text`.
     pub fn new(text: &'a str) -> Self {
         Self { text, edits: Vec::new() }
     }
 
-    /// Place of a part of the text in it.
     fn place(&self, part: &str) -> Range<usize> {
         let start = part.as_ptr() as usize - self.text.as_ptr() as usize;
         start..start + part.len()
     }
 
-    /// Replaces a part of the text.
     pub fn replace(&mut self, part: &'a str, by: String) {
         self.edits.push((self.place(part), by));
     }
@@ -57,7 +50,6 @@ impl<'a> Edits<'a> {
         Ok(())
     }
 
-    /// Inserts before the bracket at the end of a part of the text.
     fn insert_before_end(&mut self, part: &'a str, is_empty: bool, new: &[String]) {
         if new.is_empty() {
             return;
@@ -69,7 +61,6 @@ impl<'a> Edits<'a> {
         self.edits.push((at..at, format!("{comma}{}", new.join(","))));
     }
 
-    /// The text with all insertions.
     pub fn apply(mut self) -> String {
         self.edits.sort_by_key(|(range, _)| range.start);
         let mut text = String::with_capacity(self.text.len());

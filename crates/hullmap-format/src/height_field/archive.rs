@@ -1,7 +1,5 @@
-//! The rkyv archive of a height field: vectors of plain numbers.
-//!
-//! As in packs, no field is a bool, enum, string, map or shared pointer. So every bit pattern is a
-//! valid value of its type, and only the checks of [`check`](super::check) remain.
+//! The rkyv archive of a height field: vectors of plain numbers, for which every bit pattern is
+//! valid, as in packs.
 
 use bytemuck::{Pod, Zeroable};
 use rkyv::{Archive, Serialize};
@@ -11,8 +9,7 @@ use rkyv::{Archive, Serialize};
 pub struct HeightField {
     /// One record.
     pub records: Vec<Record>,
-    /// Path of the source relative to the file's folder, UTF-8, with `/` between folders; empty if
-    /// no path was recorded.
+    /// Path of the source relative to the file's folder, UTF-8, with `/`; empty if not recorded.
     pub source_path: Vec<u8>,
     /// The options that shaped the bake, then a line for each warning; UTF-8.
     pub options: Vec<u8>,

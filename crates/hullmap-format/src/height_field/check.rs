@@ -1,8 +1,7 @@
 //! Checks of a height field: whether it meets the requirements that the runtime relies on.
 //!
-//! The grid has as many heights as it states, all finite, at coordinates that rise, and the ranges
-//! of the tree are the tightest ones. So a query visits each node at most once, and misses no
-//! triangle.
+//! The grid has all its heights, finite, at rising coordinates, and the ranges of the tree are the
+//! tightest ones. So a query visits each node at most once, and misses no triangle.
 
 use rkyv::rend::u16_le;
 
@@ -17,31 +16,25 @@ use crate::{check_error::CheckError, cutter::ROOT_ALIGNMENT, scale::Scale};
 
 /// Why a grid cannot be the grid of a height field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum LayoutError {
     /// The grid has no cells, or more than node numbers can address.
     #[error(
         "a height field has at least 2 columns and 2 rows, and at most {MAX_CELLS} cells (found {columns} columns and \
          {rows} rows): use another part of the grid"
     )]
-    Size {
-        /// Number of vertices along x.
-        columns: usize,
-        /// Number of vertices along y.
-        rows: usize,
-    },
+    Size { columns: usize, rows: usize },
     /// Coordinates do not rise from vertex to vertex, or are not finite in f32.
     #[error(
         "the coordinates along {axis} do not rise from vertex to vertex within the range of f32: choose another spacing \
          or origin"
     )]
-    Coordinates {
-        /// The axis: `x` or `y`.
-        axis: char,
-    },
+    Coordinates { axis: char },
 }
 
 /// Why the archive of a height field is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum FieldError {
     /// The archive's sections.
     #[error(transparent)]
@@ -51,44 +44,26 @@ pub enum FieldError {
     Layout(#[from] LayoutError),
     /// The code of the diagonal is unknown.
     #[error("the height field has the diagonal {found} (expected 0 or 1); bake the source again")]
-    Diagonal {
-        /// The code.
-        found: u32,
-    },
+    Diagonal { found: u32 },
     /// A height is NaN or infinite.
     #[error("the height of vertex {vertex} is not finite; bake the source again")]
-    NotFinite {
-        /// The vertex.
-        vertex: usize,
-    },
+    NotFinite { vertex: usize },
     /// The stated number of holes differs from the bits, or all cells are holes.
     #[error("the height field states {found} holes, but has {expected} of {cells} cells; bake the source again")]
-    Holes {
-        /// Number that the record states.
-        found: usize,
-        /// Number of bits.
-        expected: usize,
-        /// Number of cells.
-        cells: usize,
-    },
+    Holes { found: usize, expected: usize, cells: usize },
     /// The bounds do not match the heights.
     #[error("the bounds of the height field do not match its heights; bake the source again")]
     Bounds,
     /// A range is not the tightest one around the heights below its node.
     #[error("the range of node {node} is not the tightest one around its heights; bake the source again")]
-    Range {
-        /// The node.
-        node: usize,
-    },
+    Range { node: usize },
 }
 
-/// Checks that a grid has cells, and not too many, and that its coordinates rise.
+/// Checks that a grid has cells, and not too many, and that its coordinates rise, in O(columns +
+/// rows).
 ///
 /// # Errors
 /// See [`LayoutError`].
-///
-/// # Complexity
-/// O(columns + rows).
 pub fn check_layout(layout: &Layout) -> Result<(), LayoutError> {
     let Layout { columns, rows, .. } = *layout;
     let cells = columns.saturating_sub(1).saturating_mul(rows.saturating_sub(1));
@@ -109,13 +84,11 @@ pub fn check_layout(layout: &Layout) -> Result<(), LayoutError> {
     Ok(())
 }
 
-/// Checks everything in a height field that a query could follow or return, and returns its grid.
+/// Checks everything in a height field that a query could follow or return, in O(file), and returns
+/// its grid.
 ///
 /// # Errors
 /// The first requirement that is violated: see [`FieldError`].
-///
-/// # Complexity
-/// O(file). Memory for the ranges of the tree.
 pub fn check(field: &Sections<'_>, payload: &[u8]) -> Result<Layout, FieldError> {
     gaps(field, payload)?;
     let layout = grid(field)?;
@@ -128,7 +101,6 @@ pub fn check(field: &Sections<'_>, payload: &[u8]) -> Result<Layout, FieldError>
     Ok(layout)
 }
 
-/// Checks that the bytes between sections are zero. So equal fields have equal bytes.
 fn gaps(field: &Sections<'_>, payload: &[u8]) -> Result<(), FieldError> {
     fn extent<T>(name: &'static str, section: &[T]) -> (&'static str, usize, usize) {
         (name, size_of_val(section), align_of::<T>())
@@ -149,7 +121,6 @@ fn gaps(field: &Sections<'_>, payload: &[u8]) -> Result<(), FieldError> {
     Ok(())
 }
 
-/// The grid, if it is valid.
 fn grid(field: &Sections<'_>) -> Result<Layout, FieldError> {
     let [record] = field.records else {
         let found = field.records.len();
@@ -197,7 +168,6 @@ fn holes(field: &Sections<'_>, layout: &Layout) -> Result<(), FieldError> {
     Ok(())
 }
 
-/// Checks the bounds and the ranges.
 fn heights(field: &Sections<'_>, layout: &Layout) -> Result<(), FieldError> {
     let [across, along] = layout.cells();
     let stated = field.height_range();

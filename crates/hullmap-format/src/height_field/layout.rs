@@ -1,9 +1,8 @@
 //! Where the vertices of a height field are, and which triangles its cells have.
 //!
 //! Vertex (column, row) is at x = origin + column · spacing, rounded to f64, and y likewise. A cell
-//! has four vertices, and is named by the one with the least x and y. Its diagonal divides it into
-//! two triangles, both counter-clockwise seen from +z. The first one has the edge along x with the
-//! lesser y.
+//! is named by its vertex with the least x and y. Its diagonal divides it into two triangles,
+//! counter-clockwise seen from +z, the first with the edge along x of the lesser y.
 
 use std::fmt;
 
@@ -11,14 +10,6 @@ use std::fmt;
 type Corners = [[u32; 2]; 3];
 
 /// The diagonal that divides each cell.
-///
-/// # Examples
-/// ```
-/// use hullmap_format::height_field::layout::Diagonal;
-///
-/// assert_eq!(Diagonal::from_code(1), Some(Diagonal::Falling));
-/// assert_eq!(Diagonal::Falling.to_string(), "falling");
-/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Diagonal {
     /// From the vertex with the least x and y to that with the greatest.
@@ -53,7 +44,6 @@ impl Diagonal {
         Self::ALL.into_iter().find(|diagonal| diagonal.code() == code)
     }
 
-    /// Corners of the first or the second triangle of a cell.
     const fn corners(self, is_second: bool) -> Corners {
         match (self, is_second) {
             (Self::Rising, false) => [[0, 0], [1, 0], [1, 1]],
@@ -81,8 +71,7 @@ impl fmt::Display for Diagonal {
     }
 }
 
-/// The grid of a height field. It has at least one cell, and at most
-/// [`MAX_CELLS`](super::MAX_CELLS).
+/// The grid of a height field, of 1 to [`MAX_CELLS`](super::MAX_CELLS) cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layout {
     /// Number of vertices along x, at least 2.

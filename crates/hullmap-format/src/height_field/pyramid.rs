@@ -6,9 +6,8 @@
 //! level give its positions p along x and q along y. If d levels divide x, its columns are ⌊p n /
 //! 2ᵈ⌋ to ⌊(p + 1) n / 2ᵈ⌋ of n columns.
 //!
-//! *Blocks* are the nodes of the first level in which no node has more than 2 × 2 cells. Below, a
-//! block of two rows is divided into them, a row of two cells into these, and a cell into its two
-//! triangles.
+//! *Blocks* are the nodes of the first level of at most 2 × 2 cells. Below, a block is divided into
+//! rows, a row into cells, and a cell into its two triangles.
 //!
 //! Height ranges are stored down to the first level in which no node has more than 4 × 4 cells: see
 //! [`ranges`](super::ranges). That is at most two levels above the blocks.
@@ -23,7 +22,6 @@ const BLOCK: usize = 2;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pyramid {
     cells: [usize; 2],
-    /// Level of the blocks.
     blocks: u32,
     /// Last level with stored ranges.
     stored: u32,
@@ -53,19 +51,6 @@ pub struct Cells {
 
 impl Pyramid {
     /// The tree over a grid with these numbers of cells along x and y.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap_format::height_field::pyramid::{Cells, Extent, Pyramid};
-    ///
-    /// let pyramid = Pyramid::new([3, 1]);
-    /// let of = |columns: [usize; 2]| Some(Extent::Cells(Cells { columns, rows: [0, 1] }));
-    /// assert_eq!([0, 1, 2].map(|node| pyramid.extent(node)), [of([0, 3]), of([0, 1]), of([1, 3])]);
-    /// // The left block is one cell, with two triangles; the right one has two cells.
-    /// assert_eq!([3, 4].map(|node| pyramid.extent(node)), [0, 1].map(|t| Some(Extent::Triangle(t))));
-    /// assert_eq!([5, 6].map(|node| pyramid.extent(node)), [of([1, 2]), of([2, 3])]);
-    /// assert_eq!(pyramid.extent(7), None);
-    /// ```
     pub fn new(cells: [usize; 2]) -> Self {
         let [across, along] = cells.map(|count| count.max(1));
         let (mut x, mut y) = (0_u32, 0_u32);
@@ -164,7 +149,6 @@ impl Pyramid {
         turns.is_multiple_of(2) == self.is_tall
     }
 
-    /// The cells of a node of a level that is not below the blocks.
     #[inline]
     fn cells(&self, level: u32, position: u32) -> Cells {
         let lead = self.lead.min(level);
@@ -178,7 +162,8 @@ impl Pyramid {
         Cells { columns: share(across, x_levels, x), rows: share(along, y_levels, y) }
     }
 
-    /// Extent of a node, `below` levels below a block. Its path is the last digits of its position.
+    /// Extent of a node, `below` levels below a block. The last digits of its position are its
+    /// path.
     #[inline]
     fn within_block(&self, block: Cells, below: u32, position: u32) -> Option<Extent> {
         let Cells { columns: [left, right], rows: [bottom, top] } = block;
@@ -212,16 +197,7 @@ pub fn share(count: usize, levels: u32, position: u32) -> [usize; 2] {
 }
 
 /// The position of a cell among the parts of `count` cells, at least one, that are divided in two
-/// `levels` times.
-///
-/// # Examples
-/// ```
-/// use hullmap_format::height_field::pyramid::{position_of, share};
-///
-/// // Of five cells, four parts have one, one, one and two.
-/// assert_eq!([0, 1, 2, 3].map(|part| share(5, 2, part)), [[0, 1], [1, 2], [2, 3], [3, 5]]);
-/// assert_eq!([0, 1, 2, 3, 4].map(|cell| position_of(cell, 5, 2)), [0, 1, 2, 3, 3]);
-/// ```
+/// `levels` times: the inverse of [`share`].
 #[inline]
 pub fn position_of(cell: usize, count: usize, levels: u32) -> u32 {
     // The greatest p for which ⌊p n / 2ᵈ⌋ is at most the cell.
@@ -252,7 +228,6 @@ fn spread(number: u32) -> u32 {
 mod tests {
     use super::*;
 
-    /// Checks the nodes below one, and returns the number of triangles.
     fn descend(pyramid: &Pyramid, node: u32, level: u32, seen: &mut [bool], depth: &mut u32) -> Option<Cells> {
         *depth = (*depth).max(level);
         assert!((node as usize) < pyramid.node_bound());
@@ -291,7 +266,6 @@ mod tests {
             let root = descend(&pyramid, 0, 0, &mut seen, &mut depth);
             assert_eq!(root, Some(Cells { columns: [0, cells[0]], rows: [0, cells[1]] }));
             assert!(seen.iter().all(|seen| *seen), "{cells:?}");
-            // As deep as a balanced tree of triangles, and at most two levels deeper.
             assert!(depth <= (seen.len() as u32).next_power_of_two().ilog2() + 2, "{cells:?} {depth}");
         }
     }
@@ -314,7 +288,6 @@ mod tests {
         }
     }
 
-    /// The largest grids: numbers of 32 bits, and stacks of 32 levels, are enough.
     #[test]
     fn the_largest_trees_are_not_too_deep() {
         for cells in [[1 << 27, 1], [1, 1 << 27], [11585, 11585], [1 << 14, 1 << 13], [3, 44_739_242]] {

@@ -58,10 +58,7 @@ pub fn range(field: &impl Heights, layout: &Layout, cells: Cells) -> Option<[f32
     (low <= high).then_some([low, high])
 }
 
-/// The ranges of all nodes with a stored range.
-///
-/// # Complexity
-/// O(cells).
+/// The ranges of all nodes with a stored range, in O(cells).
 pub fn ranges(field: &impl Heights, layout: &Layout, pyramid: &Pyramid, scale: &Scale) -> Vec<[u16; 2]> {
     let mut ranges = vec![EMPTY; pyramid.stored_count()];
     let last_level = pyramid.last_stored_level();

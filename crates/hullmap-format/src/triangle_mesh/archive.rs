@@ -1,7 +1,5 @@
-//! The rkyv archive of a triangle mesh: vectors of plain numbers.
-//!
-//! As in packs, no field is a bool, enum, string, map or shared pointer. So every bit pattern is a
-//! valid value of its type, and only the checks of [`check`](super::check) remain.
+//! The rkyv archive of a triangle mesh: vectors of plain numbers, for which every bit pattern is
+//! valid, as in packs.
 
 use bytemuck::{Pod, Zeroable};
 use rkyv::{Archive, Serialize};
@@ -14,13 +12,11 @@ pub const NO_NEIGHBOUR: u32 = u32::MAX;
 pub struct TriangleMesh {
     /// One record.
     pub records: Vec<Record>,
-    /// Path of the source relative to the file's folder, UTF-8, with `/` between folders; empty if
-    /// no path was recorded.
+    /// Path of the source relative to the file's folder, UTF-8, with `/`; empty if not recorded.
     pub source_path: Vec<u8>,
     /// The options that shaped the bake, then a line for each warning; UTF-8.
     pub options: Vec<u8>,
-    /// Vertices, each of them once, in the order in which the triangles use them first; −0 is
-    /// stored as +0.
+    /// Vertices, each once, in the order of first use, with −0 as +0.
     pub vertices: Vec<[f32; 3]>,
     /// Vertices of each triangle, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,

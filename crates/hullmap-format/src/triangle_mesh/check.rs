@@ -1,7 +1,5 @@
-//! Checks of a triangle mesh: whether it meets the requirements that the runtime relies on.
-//!
-//! Every index is in range, the tree's boxes hold their triangles, and what the file states about
-//! edges agrees with its triangles. A query then visits each node at most once, and misses none.
+//! Checks of a triangle mesh: every index is in range, the tree's boxes hold their triangles, and
+//! edges agree with them. A query then visits each node at most once, and misses none.
 
 use rkyv::rend::{f32_le, u16_le, u32_le};
 
@@ -16,74 +14,41 @@ use crate::{check_error::CheckError, cutter::ROOT_ALIGNMENT};
 
 /// Why the archive of a triangle mesh is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum MeshError {
     /// The archive's sections.
     #[error(transparent)]
     Archive(#[from] CheckError),
     /// The file has no triangles, or more than node numbers can address.
     #[error("the mesh has {found} triangles (expected 1 to {MAX_TRIANGLES}); bake the source again")]
-    TriangleCount {
-        /// Number of triangles.
-        found: usize,
-    },
+    TriangleCount { found: usize },
     /// A coordinate is NaN or infinite.
     #[error("vertex {vertex} is not finite; bake the source again")]
-    NotFinite {
-        /// The vertex.
-        vertex: usize,
-    },
+    NotFinite { vertex: usize },
     /// A corner is not a vertex of the mesh.
     #[error("triangle {triangle} has the vertex {found}, but the mesh has {vertex_count}; bake the source again")]
-    Corner {
-        /// The triangle.
-        triangle: usize,
-        /// The corner.
-        found: u32,
-        /// Number of vertices.
-        vertex_count: usize,
-    },
+    Corner { triangle: usize, found: u32, vertex_count: usize },
     /// The bounds do not match the vertices.
     #[error("the bounds of the mesh do not match its vertices; bake the source again")]
     Bounds,
     /// A box is not the tightest one around its triangles.
     #[error("the box of node {node} is not the tightest one around its triangles; bake the source again")]
-    Box {
-        /// The node.
-        node: usize,
-    },
+    Box { node: usize },
     /// The code of a class is unknown, or contradicts the neighbour.
     #[error("edge {edge} of triangle {triangle} has no valid class; bake the source again")]
-    EdgeClass {
-        /// The triangle.
-        triangle: usize,
-        /// The edge: 0, 1 or 2.
-        edge: usize,
-    },
+    EdgeClass { triangle: usize, edge: usize },
     /// A neighbour does not have the edge, or does not name this triangle as its own neighbour.
     #[error("triangle {neighbour} is not beyond edge {edge} of triangle {triangle}; bake the source again")]
-    Neighbour {
-        /// The triangle.
-        triangle: usize,
-        /// The edge: 0, 1 or 2.
-        edge: usize,
-        /// What the file states.
-        neighbour: u32,
-    },
+    Neighbour { triangle: usize, edge: usize, neighbour: u32 },
     /// The code of a vertex's class is unknown.
     #[error("vertex {vertex} has no valid class; bake the source again")]
-    VertexClass {
-        /// The vertex.
-        vertex: usize,
-    },
+    VertexClass { vertex: usize },
 }
 
-/// Checks everything in a triangle mesh that a query could follow or return.
+/// Checks everything in a triangle mesh that a query could follow or return, in O(file).
 ///
 /// # Errors
 /// The first requirement that is violated: see [`MeshError`].
-///
-/// # Complexity
-/// O(file). Memory for the boxes of the tree.
 pub fn check(mesh: &Sections<'_>, payload: &[u8]) -> Result<(), MeshError> {
     gaps(mesh, payload)?;
     counts(mesh)?;
@@ -99,7 +64,6 @@ pub fn check(mesh: &Sections<'_>, payload: &[u8]) -> Result<(), MeshError> {
     }
 }
 
-/// Checks that the bytes between sections are zero. So equal meshes have equal bytes.
 fn gaps(mesh: &Sections<'_>, payload: &[u8]) -> Result<(), MeshError> {
     fn extent<T>(name: &'static str, section: &[T]) -> (&'static str, usize, usize) {
         (name, size_of_val(section), align_of::<T>())
@@ -194,7 +158,6 @@ fn boxes(mesh: &Sections<'_>) -> Result<(), MeshError> {
     }
 }
 
-/// Checks the classes and neighbours of the edges of a triangle.
 fn edges(mesh: &Sections<'_>, triangle: usize, classes: u16) -> Result<(), MeshError> {
     let neighbours = mesh.neighbours.get(triangle).map_or([NO_NEIGHBOUR; 3], |n| n.map(u32_le::to_native));
     for (edge, neighbour) in neighbours.into_iter().enumerate() {
@@ -223,7 +186,6 @@ fn is_mutual(mesh: &Sections<'_>, triangle: usize, edge: usize, neighbour: usize
         })
 }
 
-/// The vertices of an edge, in the order of its triangle.
 fn ends(mesh: &Sections<'_>, triangle: usize, edge: usize) -> Option<[u32; 2]> {
     let [a, b, c] = mesh.triangles.get(triangle)?.map(u32_le::to_native);
     [[a, b], [b, c], [c, a]].get(edge).copied()

@@ -1,27 +1,14 @@
 //! Classes of the edges and vertices of a triangle mesh.
 //!
-//! Seen from the front, two triangles meet in a ridge (convex), in a valley (concave), or in one
-//! plane (flat). Only at ridges and borders can a contact normal lie between the normals of the
-//! faces.
+//! Two triangles meet in a ridge (convex), in a valley (concave), or in one plane (flat). Only at
+//! ridges and borders can a contact normal lie between the normals of the faces.
 
 use std::fmt;
 
-/// Sine of the angle between two triangles up to which their edge counts as flat. Contacts treat a
-/// normal as the normal of a face up to the same angle.
+/// Sine of the angle up to which an edge is flat, and contacts take a normal as a face's.
 pub const FLAT_SINE: f64 = 1e-3;
 
-/// What an edge of a triangle is.
-///
-/// # Examples
-/// ```
-/// use hullmap_format::triangle_mesh::class::EdgeClass;
-///
-/// let (a, b, c) = ([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
-/// // The neighbour across the edge from a to b, by its third corner.
-/// assert_eq!(EdgeClass::between([a, b, c], [0.0, -1.0, 0.0]), EdgeClass::Flat);
-/// assert_eq!(EdgeClass::between([a, b, c], [0.0, -1.0, -0.5]), EdgeClass::Convex);
-/// assert_eq!(EdgeClass::between([a, b, c], [0.0, -1.0, 0.5]), EdgeClass::Concave);
-/// ```
+/// Class of an edge of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EdgeClass {
     /// No other triangle has the edge.
@@ -56,8 +43,7 @@ impl EdgeClass {
         }
     }
 
-    /// Code of the class: four bits of
-    /// [`TriangleMesh::edge_classes`](super::archive::TriangleMesh::edge_classes).
+    /// Four bits of [`TriangleMesh::edge_classes`](super::archive::TriangleMesh::edge_classes).
     pub const fn code(self) -> u16 {
         match self {
             Self::Border => 0,
@@ -85,10 +71,8 @@ impl EdgeClass {
         !matches!(self, Self::Border | Self::NonManifold)
     }
 
-    /// Class of the first edge of a triangle, from its first corner to its second, if the
-    /// neighbour's third corner is `opposite` and both have the same side in front.
-    ///
-    /// Beside a triangle without area, an edge is flat.
+    /// Class of a triangle's first edge, if the neighbour's third corner is `opposite` and both
+    /// have the same side in front. Beside a triangle without area, it is flat.
     pub fn between([a, b, c]: [[f64; 3]; 3], opposite: [f64; 3]) -> Self {
         let (edge, to_c, to_d) = (minus(b, a), minus(c, a), minus(opposite, a));
         let (own, other) = (cross(edge, to_c), cross(to_d, edge));
@@ -113,7 +97,7 @@ impl fmt::Display for EdgeClass {
     }
 }
 
-/// What a vertex is, by the edges at it.
+/// Class of a vertex, by the edges at it.
 ///
 /// # Examples
 /// ```
@@ -128,8 +112,7 @@ impl fmt::Display for EdgeClass {
 pub enum VertexClass {
     /// All its edges are flat.
     Flat,
-    /// Its edges are ridges, or flat: a contact normal may be any normal between the normals of its
-    /// faces.
+    /// Its edges are ridges, or flat: a contact normal may be any between the faces' normals.
     Convex,
     /// Its edges are valleys, or flat.
     Concave,

@@ -3,14 +3,6 @@
 //! The file has the header of a pack ([`crate::header`]) with a magic of its own, then an archive
 //! of plain numbers. Triangles are in the order of the leaves of a tree of boxes, so that the tree
 //! needs no pointers ([`tree`]).
-//!
-//! | module | concept |
-//! |---|---|
-//! | [`archive`] | the rkyv types after the header |
-//! | [`class`] | what an edge or a vertex is: border, flat, convex, concave, … |
-//! | [`tree`] | the boxes: which triangles a node has, and the numbers of its box |
-//! | [`sections`] | the archive as slices, each bounds-checked |
-//! | [`check`] | whether a file meets the requirements that the runtime relies on |
 
 pub mod archive;
 pub mod check;

@@ -31,17 +31,11 @@ pub struct Sections<'a> {
 }
 
 impl<'a> Sections<'a> {
-    /// Cuts `payload`, all bytes after the header, into its sections.
-    ///
-    /// `payload` must start on a multiple of
-    /// [`PAYLOAD_ALIGNMENT`](crate::sections::PAYLOAD_ALIGNMENT) bytes in memory. Nothing but the
-    /// root is read.
+    /// Cuts `payload`, all bytes after the header, into its sections, as
+    /// [`Sections::read`](crate::sections::Sections::read) of a pack.
     ///
     /// # Errors
-    /// As [`Sections::read`](crate::sections::Sections::read) of a pack.
-    ///
-    /// # Complexity
-    /// O(1).
+    /// As [`Sections::read`](crate::sections::Sections::read).
     pub fn read(payload: &'a [u8]) -> Result<Self, CheckError> {
         let mut cutter = Cutter::<ROOT_LEN>::new(payload, ROOT_LEN)?;
         let sections = Self {

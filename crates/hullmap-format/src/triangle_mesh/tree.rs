@@ -1,31 +1,18 @@
 //! The tree of boxes over a triangle mesh, without pointers.
 //!
-//! Node 0 is the root; the children of node i are nodes 2 i + 1 and 2 i + 2. Of n triangles, node p
-//! of level d, counted from the left, has the triangles from ⌊p n / 2ᵈ⌋ to ⌊(p + 1) n / 2ᵈ⌋. A node
-//! with one triangle is a leaf. So the triangles of a node follow from its index, and every level
-//! holds all triangles.
+//! Node 0 is the root; the children of node i are nodes 2 i + 1 and 2 i + 2. Node p of level d,
+//! counted from the left, has the triangles from ⌊p n / 2ᵈ⌋ to ⌊(p + 1) n / 2ᵈ⌋ of n. A node with
+//! one triangle is a leaf. Every level holds all triangles.
 //!
-//! Boxes are stored for the levels whose nodes have at least two triangles each. Below, a box is
-//! computed from the corners of at most two triangles.
-//!
-//! A stored box has six numbers of 16 bits, low x, y, z, then high x, y, z: positions between the
-//! bounds of the mesh ([`Grid`]). A low number is the greatest one that is not above the vertices
-//! below the node, a high number the smallest one that is not below them. Along an axis in which
-//! the mesh has no extent, both are 0.
+//! Boxes are stored for the levels whose nodes have at least two triangles each, and computed from
+//! the corners below. Each has six numbers of 16 bits, low x, y, z, then high x, y, z: positions
+//! between the bounds of the mesh ([`Grid`]), the greatest not above the vertices and the smallest
+//! not below. Along an axis without extent, both are 0.
 
 use crate::scale::Scale;
 
-/// First triangle of a node, and the triangle after its last, among `count` triangles. Empty for a
-/// node beyond the tree.
-///
-/// # Examples
-/// ```
-/// use hullmap_format::triangle_mesh::tree::triangles;
-///
-/// // Five triangles: two and three, then one and one, one and two, then one and one.
-/// let leaves: Vec<_> = (0..13).map(|node| triangles(node, 5)).collect();
-/// assert_eq!(leaves[..7], [[0, 5], [0, 2], [2, 5], [0, 1], [1, 2], [2, 3], [3, 5]]);
-/// ```
+/// First triangle of a node, and the one after its last, among `count` triangles. Empty for a node
+/// beyond the tree.
 #[inline]
 pub fn triangles(node: u32, count: usize) -> [usize; 2] {
     let at = u64::from(node) + 1;
@@ -42,29 +29,12 @@ pub fn first_child(node: u32) -> u32 {
 }
 
 /// Number of nodes with a stored box, which come first, of a mesh of `count` triangles.
-///
-/// # Examples
-/// ```
-/// use hullmap_format::triangle_mesh::tree::stored_boxes;
-///
-/// assert_eq!([1, 2, 3, 4, 7, 8, 9].map(stored_boxes), [0, 1, 1, 3, 3, 7, 7]);
-/// ```
 pub fn stored_boxes(count: usize) -> usize {
     // The last level whose nodes all have at least two triangles.
     (count / 2).checked_ilog2().map_or(0, |level| (2 << level) - 1)
 }
 
 /// Upper bound of the node numbers of a mesh of `count` triangles.
-///
-/// # Examples
-/// ```
-/// use hullmap_format::triangle_mesh::tree::{node_bound, triangles};
-///
-/// // The leaves of five triangles.
-/// let is_leaf = |node: &u32| triangles(*node, 5)[0] + 1 == triangles(*node, 5)[1];
-/// assert_eq!(node_bound(5), 15);
-/// assert!((0..15).filter(is_leaf).count() >= 5);
-/// ```
 pub fn node_bound(count: usize) -> usize {
     2 * count.next_power_of_two() - 1
 }
@@ -117,10 +87,7 @@ pub fn around(a: [u16; 6], b: [u16; 6]) -> [u16; 6] {
     [a0.min(b0), a1.min(b1), a2.min(b2), a3.max(b3), a4.max(b4), a5.max(b5)]
 }
 
-/// The boxes of all nodes with a stored box, of a mesh whose triangles have the boxes
-/// `of_triangle`.
-///
-/// # Complexity
+/// The boxes of all nodes with a stored box, of `count` triangles with the boxes `of_triangle`, in
 /// O(`count`).
 pub fn boxes(count: usize, of_triangle: impl Fn(usize) -> [u16; 6]) -> Vec<[u16; 6]> {
     let stored = stored_boxes(count);

@@ -12,40 +12,30 @@ use super::xml::{child, fault_at, local, number};
 use crate::fault::{Fault, LineFault, excerpt};
 use crate::mesh::Polygons;
 
-/// Maximum number of indices of one corner: positions, normals, colours and texture coordinates.
-/// Files have up to ten.
+/// Maximum number of indices of a corner. Files have up to ten.
 const MAX_INPUTS: usize = 64;
 
-/// The lists to which one instance of a geometry is appended.
 #[derive(Debug)]
 pub struct Target<'m> {
-    /// Positions of all instances.
     pub positions: &'m mut Vec<[f64; 3]>,
     pub faces: &'m mut Polygons,
-    /// Ends and corners of their lines.
     pub loose: &'m mut Vec<u32>,
     /// From the geometry's frame to the scene's.
     pub placed: DAffine3,
-    /// Whether a polygon has holes.
     pub has_holes: bool,
 }
 
-/// Where the corners of a primitive are in its lists of indices.
 struct Layout {
     /// Place of the index of a position.
     offset: usize,
-    /// Indices of a corner.
     stride: usize,
     /// Index of the geometry's first position, and number of its positions.
     first: u32,
     count: u32,
 }
 
-/// The node of a geometry that holds its vertices and primitives, and the source of its positions;
-/// `None` if it has no vertices.
-///
-/// # Errors
-/// The vertices have no positions.
+/// The node of a geometry with its vertices and primitives, and the source of its positions; `None`
+/// without vertices. Fails if the vertices have no positions.
 pub fn positions_of<'a, 'input>(
     geometry: Node<'a, 'input>,
     ids: &HashMap<&str, Node<'a, 'input>>,
@@ -59,9 +49,6 @@ pub fn positions_of<'a, 'input>(
 
 impl Target<'_> {
     /// Appends the positions of a source and the primitives of a mesh.
-    ///
-    /// # Errors
-    /// A number is invalid, an index is out of range, or a list ends in the middle of a face.
     pub fn append(&mut self, mesh: Node, source: Node) -> Result<(), LineFault> {
         let first = self.positions.len();
         self.add_positions(source)?;
@@ -74,7 +61,6 @@ impl Target<'_> {
         Ok(())
     }
 
-    /// The positions in a source: three numbers of each entry.
     fn add_positions(&mut self, source: Node) -> Result<(), LineFault> {
         let array = child(source, "float_array");
         let array =
@@ -152,7 +138,6 @@ impl Target<'_> {
         Ok(())
     }
 
-    /// A corner, if there is room for it.
     fn checked(&self, corner: u32) -> Result<u32, LineFault> {
         if self.faces.corners.len() >= u32::MAX as usize {
             return Err(Fault::TooManyReferences.of_file());
@@ -221,7 +206,6 @@ impl Target<'_> {
 }
 
 impl Layout {
-    /// Vertex indices in the mesh, from a list of indices of positions.
     fn corners<'n>(&self, list: Node<'n, '_>) -> impl Iterator<Item = Result<u32, LineFault>> + use<'n, '_> {
         let (first, count) = (self.first, self.count);
         let words = list.text().unwrap_or_default().split_ascii_whitespace().skip(self.offset).step_by(self.stride);
@@ -238,7 +222,6 @@ impl Layout {
     }
 }
 
-/// The indices of a primitive's corners.
 fn layout(primitive: Node, first: u32, count: u32) -> Result<Layout, LineFault> {
     let (mut offset, mut stride) = (None, 0);
     for input in primitive.children().filter(|node| node.tag_name().name() == "input") {
@@ -259,7 +242,6 @@ fn layout(primitive: Node, first: u32, count: u32) -> Result<Layout, LineFault> 
     Ok(Layout { offset, stride, first, count })
 }
 
-/// The source that an input names.
 fn source<'a, 'input>(
     input: Node<'a, 'input>,
     ids: &HashMap<&str, Node<'a, 'input>>,

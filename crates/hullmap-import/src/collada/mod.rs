@@ -2,12 +2,10 @@
 //!
 //! 1. The scene's nodes are walked in their order, and transforms are multiplied (`scene`). An
 //!    `instance_node` stands for the node that it names.
-//! 2. Each instance of a geometry adds its positions, transformed, and its primitives (`geometry`):
-//!    triangles, polygon lists, polygons, fans, strips and lines. Holes of polygons are left out:
-//!    they do not affect a hull.
+//! 2. Each instance of a geometry adds its transformed positions and its primitives (`geometry`):
+//!    triangles, polygons, fans, strips and lines. Holes do not affect a hull, and are left out.
 //! 3. Positions are multiplied by `unit meter`, so they are in metres. The up axis is not applied,
-//!    and a note states it. Programs differ here (see decision 17): RViz, MoveIt and Gazebo
-//!    multiply by the unit, and RViz and MoveIt ignore the up axis.
+//!    as a note states: decision 17.
 //!
 //! Skins are read in their bind pose. Materials, animations and physics are skipped.
 //!
@@ -24,12 +22,10 @@ use crate::fault::{Fault, LineFault, excerpt};
 use crate::limits::Limits;
 use crate::mesh::SourceMesh;
 
-/// Maximum number of XML nodes. A node takes about 100 bytes of memory, but as few as four of the
-/// file.
+/// A node takes about 100 bytes of memory, but as few as four of the file.
 const MAX_NODES: u32 = 1 << 18;
 
-/// Reads a COLLADA file. The error is the first fault, with its line. Complexity: O(bytes), plus
-/// instances within `limits`.
+/// Complexity: O(bytes), plus instances within `limits`.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<SourceMesh, LineFault> {
     let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let text = std::str::from_utf8(text)

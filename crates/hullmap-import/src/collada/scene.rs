@@ -63,7 +63,6 @@ pub fn read(document: &Document, limits: &Limits) -> Result<SourceMesh, LineFaul
     reader.finish(metres, up)
 }
 
-/// The visual scene that the file shows.
 fn scene<'a, 'input>(
     root: Node<'a, 'input>,
     ids: &HashMap<&str, Node<'a, 'input>>,
@@ -85,7 +84,6 @@ struct Reader<'a, 'input, 'l> {
     /// The geometries that were added, by their places.
     used: BTreeSet<usize>,
     limits: &'l Limits,
-    /// Vertices and corners of instances after the first.
     repeated: usize,
     object_count: usize,
     /// Nodes that were walked, and names of objects in bytes.
@@ -94,7 +92,6 @@ struct Reader<'a, 'input, 'l> {
 }
 
 impl<'a, 'input> Reader<'a, 'input, '_> {
-    /// Walks the nodes of a scene in their order.
     fn walk(&mut self, scene: Node<'a, 'input>, placed: DAffine3) -> Result<(), LineFault> {
         let mut waiting: Vec<(Node, DAffine3, usize)> = vec![(scene, placed, 0)];
         while let Some((node, outer, depth)) = waiting.pop() {
@@ -129,14 +126,12 @@ impl<'a, 'input> Reader<'a, 'input, '_> {
         Ok(())
     }
 
-    /// The element that an instance names.
     fn named(&self, instance: Node<'a, 'input>, kind: &str) -> Result<Node<'a, 'input>, LineFault> {
         let id = local(instance, "url")?;
         let found = self.ids.get(id).copied().filter(|node| node.tag_name().name() == kind);
         found.ok_or_else(|| fault_at(instance, format!("there is no {kind} `{}`: export the file again", excerpt(id))))
     }
 
-    /// Adds an instance of a geometry as an object with the name of its node.
     fn add(&mut self, geometry: Node<'a, 'input>, node: Node<'a, 'input>, placed: DAffine3) -> Result<(), LineFault> {
         let Some((mesh, source)) = positions_of(geometry, &self.ids)? else { return Ok(()) };
         self.begin_object(node);
@@ -223,7 +218,6 @@ fn transform(node: Node) -> Result<DAffine3, LineFault> {
     Ok(product)
 }
 
-/// N numbers.
 fn exactly<const N: usize>(node: Node) -> Result<[f64; N], LineFault> {
     let text = node.text().unwrap_or_default();
     let words = text.split_ascii_whitespace();

@@ -4,18 +4,15 @@ use roxmltree::Node;
 
 use crate::fault::{Fault, LineFault, excerpt};
 
-/// The first child element with this name.
 pub fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {
     node.children().find(|child| child.is_element() && child.tag_name().name() == name)
 }
 
-/// A fault at a node.
 pub fn fault_at(node: Node, text: impl Into<String>) -> LineFault {
     let line = node.document().text_pos_at(node.range().start).row;
     Fault::format(text).at_line(line as usize)
 }
 
-/// A number in the text of a node. Fails if it is not finite.
 pub fn number(node: Node, word: &str) -> Result<f64, LineFault> {
     let number = word.parse().ok().filter(|number: &f64| number.is_finite());
     number.ok_or_else(|| fault_at(node, format!("`{}` is not a finite number: export the file again", excerpt(word))))

@@ -1,5 +1,4 @@
-//! glTF 2.0: elements of an accessor, taken from a buffer view, from zeros, and from sparse
-//! replacements.
+//! glTF 2.0: elements of an accessor, from a buffer view, from zeros, and from sparse replacements.
 
 use std::collections::HashMap;
 
@@ -14,13 +13,10 @@ const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
 const FLOAT: u32 = 5126;
 
-/// A document and the bytes of its buffers.
 pub struct Data<'a> {
-    /// The document.
     pub document: &'a Document<'a>,
     /// Bytes of each buffer. `None` for a buffer without bytes, and for one that is not required.
     pub buffers: Vec<Option<&'a [u8]>>,
-    /// Bytes of buffer views that were decoded, by their indices.
     pub decoded: &'a HashMap<u32, Vec<u8>>,
 }
 
@@ -34,7 +30,6 @@ pub struct AccessorReader<'a> {
     stride: usize,
     component_type: u32,
     is_normalized: bool,
-    /// Number of elements.
     pub count: usize,
     replaced: Option<Replaced<'a>>,
     /// Number of components of an element.
@@ -48,7 +43,6 @@ fn is_unsigned(component_type: u32) -> bool {
     matches!(component_type, UNSIGNED_BYTE | UNSIGNED_SHORT | UNSIGNED_INT)
 }
 
-/// Name of a component type, for messages.
 fn component_name(component_type: u32) -> String {
     let name = match component_type {
         BYTE => "signed bytes",
@@ -72,8 +66,7 @@ fn component_size(component_type: u32) -> Option<usize> {
 }
 
 impl<'a> Data<'a> {
-    /// Accessor `index`, whose elements must be of this kind. Fails if it does not exist, is of
-    /// another kind, or reaches beyond its buffer.
+    /// Fails if it does not exist, is of another kind, or reaches beyond its buffer.
     pub fn accessor(&self, index: u32, kind: Kind) -> Result<AccessorReader<'a>, Fault> {
         let fault = |text: String| Fault::format(format!("accessor {index} {text}"));
         let Some(accessor) = self.document.accessors.get(index as usize) else {
@@ -198,7 +191,6 @@ fn unsigned(bytes: &[u8], component_type: u32) -> Option<u32> {
 }
 
 impl AccessorReader<'_> {
-    /// Whether all elements are zeros, except sparse replacements.
     pub fn has_no_bytes(&self) -> bool {
         self.bytes.is_none()
     }
@@ -214,8 +206,7 @@ impl AccessorReader<'_> {
         self.bytes.map(|bytes| &bytes[at * self.stride..])
     }
 
-    /// Position of element `at`, exactly as stored. `KHR_mesh_quantization` allows integers,
-    /// normalized or not.
+    /// Exactly as stored. `KHR_mesh_quantization` allows integers, normalized or not.
     #[expect(
         clippy::indexing_slicing,
         reason = "callers pass accessors of three components, which all their elements have"
@@ -250,7 +241,6 @@ impl AccessorReader<'_> {
         if self.is_normalized { position.map(|value| (value / maximum).max(-1.0)) } else { position }
     }
 
-    /// Vertex index in element `at`.
     pub fn index(&self, at: usize) -> u32 {
         // `Data::accessor` allows unsigned types alone.
         self.element(at).and_then(|bytes| unsigned(bytes, self.component_type)).unwrap_or_default()

@@ -1,7 +1,5 @@
-//! glTF 2.0: the buffers that positions and vertex indices are read from.
-//!
-//! A buffer that holds only animations, normals or images has no effect on a hull. It is not read,
-//! and may be missing.
+//! glTF 2.0: the buffers with positions and vertex indices. Others have no effect on a hull, are
+//! not read, and may be missing.
 
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -108,7 +106,6 @@ pub fn views(document: &Document) -> Vec<u32> {
     let mut draco_views = Vec::new();
     for primitive in shown.flat_map(|(mesh, _)| mesh.primitives.iter()) {
         let positions = primitive.attributes.position;
-        // A primitive without positions is not drawn.
         let accessors = positions.into_iter().chain(positions.and(primitive.indices));
         let mut accessors = accessors.filter_map(|accessor| document.accessors.get(accessor as usize));
         match primitive.extensions.draco {

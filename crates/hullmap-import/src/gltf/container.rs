@@ -1,5 +1,4 @@
-//! glTF 2.0: the container, either JSON text or a GLB file of JSON and a buffer, and the locations
-//! of buffers.
+//! glTF 2.0: the container, JSON text or a GLB file, and the locations of buffers.
 
 use std::borrow::Cow;
 
@@ -12,16 +11,12 @@ use crate::fault::{Fault, LineFault, counted, excerpt};
 const GLB_HEADER: usize = 12;
 const CHUNK_HEADER: usize = 8;
 
-/// Message about a file of the previous version. The command belongs to Cesium's gltf-pipeline,
-/// which upgrades every file that it reads.
+/// Cesium's gltf-pipeline upgrades every file that it reads.
 const VERSION_1: &str = "the file is glTF 1.0, which is not supported; expected glTF 2.0: export it again, or convert it with `gltf-pipeline -i IN -o OUT` (npm install --global gltf-pipeline)";
 
-/// A document, and the buffer in a GLB file.
 #[derive(Debug)]
 pub struct Container<'a> {
-    /// The text, parsed.
     pub document: Document<'a>,
-    /// The BIN chunk.
     pub buffer: Option<&'a [u8]>,
 }
 
@@ -37,9 +32,8 @@ impl Container<'_> {
     }
 }
 
-/// Opens glTF text or a GLB file. The first bytes distinguish them. Fails if the container is
-/// damaged, the text is not glTF 2.0, or the file requires an extension that is not supported.
-/// Complexity: O(bytes).
+/// Fails if the container is damaged, the text is not glTF 2.0, or the file requires an unsupported
+/// extension.
 pub fn open(bytes: &[u8]) -> Result<Container<'_>, LineFault> {
     let fault = |text: String| Err(Fault::format(text).of_file());
     let (text, buffer) = if bytes.starts_with(b"glTF") { chunks(bytes)? } else { (bytes, None) };
@@ -79,9 +73,8 @@ pub fn open(bytes: &[u8]) -> Result<Container<'_>, LineFault> {
     Ok(Container { document, buffer })
 }
 
-/// Message about a text with another structure. Serde quotes values of any length, and names the
-/// structs of this program: a list in place of an object is "invalid length 0, expected struct
-/// Asset with 1 element at line 1".
+/// Serde quotes values of any length, and names the structs of this program: a list in place of an
+/// object is "invalid length 0, expected struct Asset with 1 element at line 1".
 fn not_a_document(error: &serde_json::Error) -> String {
     let text = error.to_string();
     let text = match text.rsplit_once(", expected ") {
@@ -143,10 +136,8 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), LineFault> {
     }
 }
 
-/// Location of a buffer's bytes.
 #[derive(Debug, PartialEq)]
 pub enum BufferLocation<'a> {
-    /// In the BIN chunk of the GLB file.
     Chunk,
     /// In the text, as base64.
     Data(&'a str),
@@ -155,8 +146,7 @@ pub enum BufferLocation<'a> {
 }
 
 impl BufferLocation<'_> {
-    /// Location of the buffer with this URI. Fails if the URI is neither data nor a relative path
-    /// that stays below the file's folder.
+    /// Fails if the URI is neither data nor a relative path below the file's folder.
     pub fn from_uri(uri: Option<&str>) -> Result<BufferLocation<'_>, String> {
         let Some(uri) = uri else {
             return Ok(BufferLocation::Chunk);

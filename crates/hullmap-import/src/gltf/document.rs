@@ -1,8 +1,7 @@
 //! glTF 2.0: the properties of a document that affect a hull. Everything else is skipped.
 //!
 //! Names and data URIs are borrowed from the text. The length of every list is limited while it is
-//! read. Integers may be written as `1.0`: JSON has one type of numbers, and some exporters keep
-//! all of them as floats.
+//! read. Integers may be written as `1.0`, as some exporters do.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -15,7 +14,6 @@ use serde_json::value::RawValue;
 
 use crate::limits::GLTF_LIST;
 
-/// A glTF document.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Document<'a> {
@@ -33,8 +31,7 @@ pub struct Document<'a> {
     pub nodes: Bounded<Node<'a>>,
     #[serde(borrow, default)]
     pub meshes: Bounded<MeshRecord<'a>>,
-    /// The list of materials, as text: a file whose materials have another form than expected still
-    /// has its meshes.
+    /// Kept as text: a malformed list of materials does not hide the meshes.
     #[serde(borrow)]
     pub materials: Option<&'a RawValue>,
     #[serde(default)]
@@ -47,8 +44,7 @@ pub struct Document<'a> {
     pub extensions: Option<Box<DocumentExtensions<'a>>>,
 }
 
-/// Extensions of a document. Their text is parsed only where it is used: a file whose extensions
-/// have another form than expected still has its meshes.
+/// Text that is parsed only where it is used: malformed extensions do not hide the meshes.
 #[derive(Debug, Deserialize)]
 pub struct DocumentExtensions<'a> {
     #[serde(borrow, rename = "KHR_implicit_shapes")]
@@ -88,7 +84,6 @@ pub struct Node<'a> {
     pub extensions: Option<Box<NodeExtensions<'a>>>,
 }
 
-/// Extensions of a node, as text.
 #[derive(Debug, Deserialize)]
 pub struct NodeExtensions<'a> {
     #[serde(borrow, rename = "KHR_physics_rigid_bodies")]
@@ -128,8 +123,7 @@ struct Material<'a> {
 }
 
 impl Document<'_> {
-    /// Names of the materials, empty where they have none. No names if the list has another form
-    /// than expected.
+    /// Empty where a material has none. No names if the list is malformed.
     pub fn material_names(&self) -> Vec<String> {
         let list = self.materials.and_then(|text| serde_json::from_str::<Bounded<Material>>(text.get()).ok());
         let name = |material: Material| material.name.map_or_else(String::new, Cow::into_owned);
@@ -157,13 +151,11 @@ pub struct PrimitiveExtensions {
     pub draco: Option<Draco>,
 }
 
-/// Where the compressed data of a primitive is.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Draco {
     #[serde(deserialize_with = "whole")]
     pub buffer_view: u32,
-    /// Ids of the attributes in the compressed data.
     #[serde(default)]
     pub attributes: Attributes,
 }
@@ -198,7 +190,6 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Its name in a document, for messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Scalar => "SCALAR",
@@ -260,14 +251,12 @@ pub struct ViewExtensions {
 }
 
 impl ViewExtensions {
-    /// The compressed data of the view, and the extension that describes it.
     pub fn compression(&self) -> Option<(&'static str, &Meshopt)> {
         let khr = self.khr_meshopt.as_deref().map(|data| ("KHR_meshopt_compression", data));
         khr.or(self.ext_meshopt.as_deref().map(|data| ("EXT_meshopt_compression", data)))
     }
 }
 
-/// Where the compressed data of a buffer view is, and how it is compressed.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Meshopt {
@@ -277,10 +266,8 @@ pub struct Meshopt {
     pub byte_offset: u64,
     #[serde(deserialize_with = "whole")]
     pub byte_length: u64,
-    /// Size of an element, decoded.
     #[serde(deserialize_with = "whole")]
     pub byte_stride: u64,
-    /// Number of elements.
     #[serde(deserialize_with = "whole")]
     pub count: u64,
     pub mode: Mode,
@@ -288,7 +275,6 @@ pub struct Meshopt {
     pub filter: Filter,
 }
 
-/// Kind of a compressed stream.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum Mode {
@@ -299,7 +285,6 @@ pub enum Mode {
     Other,
 }
 
-/// Conversion of decoded attributes.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum Filter {

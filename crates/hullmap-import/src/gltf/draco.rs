@@ -1,8 +1,7 @@
 //! glTF 2.0: primitives compressed by `KHR_draco_mesh_compression`, decoded by the crate
 //! `draco-core`.
 //!
-//! The data of such a primitive is always triangles, whatever its mode: the mode states how a
-//! renderer may arrange them.
+//! The data is always triangles: the mode states how a renderer may arrange them.
 //!
 //! # Reference
 //! Khronos, "KHR_draco_mesh_compression"; Google, "Draco Bitstream Specification", version 2.2.
@@ -15,7 +14,6 @@ use draco_core::{DecodeLimits, DecoderBuffer, DracoError, ErrorKind, GeometryMet
 /// coordinates, colours, joints and weights. They are decoded too, and dropped.
 const ATTRIBUTE_BYTES: u64 = 256;
 
-/// A decoded primitive.
 pub struct DracoMesh {
     /// Positions, before a normalisation by the accessor.
     pub positions: Vec<[f32; 3]>,
@@ -23,11 +21,8 @@ pub struct DracoMesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Why a primitive cannot be decoded.
 pub enum DracoFault {
-    /// It has more vertices or triangles than the limit.
     TooLarge,
-    /// It is damaged, or is not a mesh.
     Damaged(String),
 }
 
@@ -40,12 +35,10 @@ impl From<DracoError> for DracoFault {
     }
 }
 
-/// Numbers that the header of compressed data claims.
 #[derive(Clone, Copy)]
 pub struct Claim {
     /// Number of vertices. The data can have more: up to three for each triangle.
     pub vertices: usize,
-    /// Number of triangles.
     pub triangles: usize,
 }
 
@@ -59,8 +52,7 @@ const EDGEBREAKER: u8 = 1;
 /// for a nested entry of three bytes. Exporters of glTF write no metadata.
 const MAX_HEADER: usize = 1 << 16;
 
-/// Reads the header of compressed data. Fails if it is damaged, longer than [`MAX_HEADER`], or not
-/// the header of a mesh. Complexity: O(metadata).
+/// Fails if the header is damaged, longer than [`MAX_HEADER`], or not a mesh's.
 pub fn claim(bytes: &[u8]) -> Result<Claim, DracoFault> {
     let mut header = DecoderBuffer::new(bytes.get(..MAX_HEADER).unwrap_or(bytes));
     header.decode_slice(b"DRACO".len())?;
@@ -93,8 +85,7 @@ pub fn claim(bytes: &[u8]) -> Result<Claim, DracoFault> {
     Ok(Claim { vertices: count()?, triangles: count()? })
 }
 
-/// Decodes a primitive with this header. `position` is the id of the attribute with positions.
-/// Errors: see [`DracoFault`]. Complexity: O(bytes + vertices + triangles).
+/// `position` is the id of the attribute with positions.
 pub fn decode(bytes: &[u8], position: u32, claim: Claim) -> Result<DracoMesh, DracoFault> {
     let points = claim.vertices.max(claim.triangles.saturating_mul(3)) as u64;
     let limits = DecodeLimits::default().with_max_points(points).with_max_faces(claim.triangles as u64);

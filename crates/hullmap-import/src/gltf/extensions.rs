@@ -61,8 +61,7 @@ const HARMLESS: [&str; 17] = [
     "MSFT_lod",
 ];
 
-/// Extensions that the readers of this crate support: compressed triangles and buffer views,
-/// positions as integers, and indices that restart a strip.
+/// Compressed triangles and buffer views, integer positions, and indices that restart a strip.
 const SUPPORTED: [&str; 6] = [
     "EXT_mesh_primitive_restart",
     "EXT_meshopt_compression",
@@ -72,14 +71,12 @@ const SUPPORTED: [&str; 6] = [
     "KHR_meshopt_compression",
 ];
 
-/// Extensions whose names start with one of these hold shapes other than meshes: splats, volumes,
-/// and surfaces given by formulas.
+/// Prefixes for shapes other than meshes: splats, volumes, and formulas.
 const SHAPES: [&str; 3] = ["EXT_implicit_", "EXT_primitive_voxels", "KHR_gaussian_splatting"];
 
 /// Extension that draws a mesh once for each entry of an accessor.
 pub const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
-/// Whether a file may require the extension.
 pub fn may_be_required(extension: &str) -> bool {
     HARMLESS_PREFIXES.iter().any(|prefix| extension.starts_with(prefix))
         || [&HARMLESS[..], &SUPPORTED].concat().contains(&extension)
@@ -90,7 +87,6 @@ pub fn allows_restart(extension: &str) -> bool {
     extension.ends_with("_mesh_primitive_restart") && SUPPORTED.contains(&extension)
 }
 
-/// Suggested remedy for an unsupported extension.
 pub fn remedy(extension: &str) -> &'static str {
     match extension {
         INSTANCING => "export the instances as nodes",

@@ -16,10 +16,6 @@
 //! faces, with reversed winding where a transform mirrors; points and lines are elements without
 //! faces.
 //!
-//! [`extensions`] lists the extensions that a file may require. [`draco`] decodes
-//! `KHR_draco_mesh_compression`, and [`meshopt`] `EXT_meshopt_compression` and
-//! `KHR_meshopt_compression`. [`physics`] has the colliders of nodes.
-//!
 //! # Deviations
 //! Positions may have any type that `KHR_mesh_quantization` allows, whether or not the file
 //! requires the extension. Integers may be written as `1.0`. In strips, fans and connected lines
@@ -52,17 +48,13 @@ use accessor::Data;
 use physics::Shapes;
 use scene::SceneReader;
 
-/// Paths of the buffers beside a file that are required, relative to it, without repetition, in the
-/// document's order. Fails as [`container::open`] does, or if a URI leads out of the file's folder.
-/// Complexity: O(bytes).
+/// Relative paths of the required buffers beside a file, each once, in the document's order.
 pub fn buffer_paths(bytes: &[u8]) -> Result<Vec<String>, LineFault> {
     buffers::paths(&container::open(bytes)?)
 }
 
-/// Reads a glTF file. `beside` holds the files of [`buffer_paths`]. With `reads_colliders`,
-/// colliders of physics extensions are objects too, see [`physics`]; otherwise they are left out.
-/// The error is the first fault, with its node, mesh, accessor, buffer view or buffer. Complexity:
-/// O(bytes + vertices of all instances).
+/// `beside` holds the files of [`buffer_paths`]. With `reads_colliders`, colliders of physics
+/// extensions are objects too, see [`physics`]. Complexity: O(bytes + vertices of all instances).
 pub fn read(
     bytes: &[u8],
     beside: &[(String, Vec<u8>)],
@@ -72,8 +64,7 @@ pub fn read(
     read_scene(bytes, beside, reads_colliders, limits, |reader| reader.read())
 }
 
-/// Reads a glTF file, with the node of each object and its transform to the scene. Colliders are
-/// left out. Fails as [`read`] does.
+/// Also reads the node of each object and its transform to the scene. Colliders are left out.
 pub fn read_placed(
     bytes: &[u8],
     beside: &[(String, Vec<u8>)],
@@ -101,7 +92,6 @@ fn read_scene<T>(
     read(SceneReader::new(data, byte_count, decoded.repeated_count, shapes, limits)).map_err(Fault::of_file)
 }
 
-/// The bytes of a compressed buffer view, for tests.
 #[cfg(test)]
 pub fn decoded_view(bytes: &[u8], view: u32, limits: &Limits) -> Result<Vec<u8>, LineFault> {
     let container = container::open(bytes)?;

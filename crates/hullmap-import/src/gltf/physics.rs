@@ -5,13 +5,11 @@
 //! | `KHR_physics_rigid_bodies` | `geometry`: a `shape`, `mesh` or `node` | `KHR_implicit_shapes` |
 //! | `OMI_physics_body` | `shape` | `OMI_physics_shape` |
 //!
-//! A `node` stands for its mesh and the meshes of the nodes below it.
+//! A `node` stands for its mesh and those below it. Exporters write the same collider by both
+//! extensions: it counts once. Triggers are not colliders.
 //!
-//! A node with colliders of both extensions has one collider: exporters write the same shape twice.
-//! Triggers are not colliders.
-//!
-//! Implicit shapes become the points of a hull. The points of round shapes lie on the surface, so
-//! the hull is up to [`ROUND_ERROR`] of the radius inside of it.
+//! Implicit shapes become the points of a hull, for round shapes up to [`ROUND_ERROR`] of the
+//! radius inside.
 //!
 //! # Deviations
 //! The drafts of `KHR_physics_rigid_bodies` differ: the draft of October 2025 names a `node` with a
@@ -40,10 +38,8 @@ const STEPS: i32 = 8;
 /// Maximum distance of a round shape from its hull, relative to its radius.
 pub const ROUND_ERROR: f64 = 0.02;
 
-/// Shape of a collider.
 #[derive(Debug, PartialEq)]
 pub enum Geometry {
-    /// A mesh.
     Mesh(u32),
     /// The meshes of a node and of the nodes below it, in the frame of that node.
     Node(u32),
@@ -53,16 +49,13 @@ pub enum Geometry {
     Unusable(String),
 }
 
-/// A collider, in the frame of its node.
 #[derive(Debug)]
 pub struct Collider {
-    /// Its shape.
     pub geometry: Geometry,
     /// Whether the shape is a hull. Otherwise engines collide with the triangles of the mesh.
     pub is_convex: bool,
 }
 
-/// The shapes of a file.
 #[derive(Debug)]
 pub struct Shapes {
     khr: Vec<Shape>,
@@ -143,7 +136,6 @@ fn no_shape() -> i64 {
     -1
 }
 
-/// Default lengths of an extension.
 struct Defaults {
     capsule: [f64; 2],
     cylinder: [f64; 2],
@@ -170,8 +162,7 @@ impl Shapes {
         })
     }
 
-    /// The collider of a node, if it has one. Fails if the extension has another form, or names a
-    /// shape that does not exist.
+    /// Fails if the extension has another form, or names a missing shape.
     pub fn collider(&self, node: &Node) -> Result<Option<Collider>, String> {
         let Some(extensions) = node.extensions.as_deref() else {
             return Ok(None);
@@ -260,7 +251,6 @@ impl Shape {
     }
 }
 
-/// Corners of a box around the origin.
 fn cuboid(size: [f64; 3]) -> Vec<[f64; 3]> {
     let sign = |corner: u8, axis: u8| if corner >> axis & 1 == 0 { -0.5 } else { 0.5 };
     let [x, y, z] = size;
@@ -296,8 +286,7 @@ fn sphere(radius: f64, y: f64) -> Vec<[f64; 3]> {
     points
 }
 
-/// The meshes that colliders refer to, as far as the extensions can be read. Complexity:
-/// O(document).
+/// The meshes that colliders refer to, as far as the extensions can be read.
 pub fn meshes(document: &Document) -> HashSet<u32> {
     let mut meshes = HashSet::new();
     let Ok(shapes) = Shapes::new(document) else {
@@ -335,8 +324,7 @@ pub fn is_present(document: &Document) -> bool {
 mod tests {
     use super::*;
 
-    /// The distance of a sphere from the hull of its points, by the planes of the octahedron's
-    /// triangles: none is farther from the sphere than the documented share.
+    /// Measured by the planes of the octahedron's triangles.
     #[test]
     fn the_hull_of_a_sphere_is_close_to_it() {
         let points = sphere(1.0, 0.0);
@@ -345,7 +333,6 @@ mod tests {
             assert!(points.iter().any(|point| point[axis] == 1.0) && points.iter().any(|point| point[axis] == -1.0));
         }
         let mut worst = 1.0_f64;
-        // Any direction's support point is at least this far.
         for step in 0..20_000 {
             let y = 1.0 - 2.0 * (f64::from(step) + 0.5) / 20_000.0;
             let (sine, cosine) = (f64::from(step) * 2.399_963).sin_cos();

@@ -2,11 +2,10 @@
 //!
 //! # Primitive restart
 //! In strips, fans and connected lines, the largest index of its type (255, 65,535 or
-//! 4,294,967,295) ends a primitive and starts the next one, in WebGL 2, Direct3D and Metal, and so
-//! for most viewers. glTF 2.0 forbids that index, and `KHR_mesh_primitive_restart` allows it again.
-//! Here it restarts a primitive if the extension is used, or if no vertex has that index. Otherwise
-//! readers disagree on its meaning, and the file is rejected. In lists, which have nothing to
-//! restart, it is an index like any other.
+//! 4,294,967,295) starts a new primitive for most viewers: in WebGL 2, Direct3D and Metal. glTF 2.0
+//! forbids that index, and `KHR_mesh_primitive_restart` allows it again. Here it restarts a
+//! primitive if the extension is used, or if no vertex has that index. Otherwise readers disagree,
+//! and the file is rejected. In lists, it is an index like any other.
 
 mod colliders;
 mod findings;
@@ -44,16 +43,13 @@ const STRIP_CORNER_BYTES: usize = 4;
 /// Bytes of the file that a primitive should have taken: at least `{},`.
 const PRIMITIVE_BYTES: usize = 3;
 
-/// Reads a scene, node by node.
 pub struct SceneReader<'a> {
     data: Data<'a>,
     limits: &'a Limits,
     positions: Vec<[f64; 3]>,
     mesh: SourceMesh,
-    /// The shapes of the file, if colliders are read.
     shapes: Option<Rc<Shapes>>,
     findings: Findings,
-    /// For each mesh whether a node references it.
     is_shown: Vec<bool>,
     /// Bytes of the file that no vertex, corner, primitive or name has claimed yet.
     unclaimed_bytes: usize,
@@ -62,17 +58,12 @@ pub struct SceneReader<'a> {
     object_count: usize,
     /// Node of each object, and its transform to the scene.
     places: Vec<(u32, DAffine3)>,
-    /// Number of nodes with a skin and primitives with morph targets.
     deformed_count: usize,
     /// Decoded primitives, by buffer view and by the id of their positions.
     decoded: HashMap<(u32, u32), Rc<DracoMesh>>,
-    /// Number of bytes of compressed data that were decoded.
     decoded_bytes: usize,
-    /// Size of the file with its buffers.
     byte_count: usize,
-    /// Whether the file uses an extension for primitive restart.
     allows_restart: bool,
-    /// Number of indices that restart a primitive.
     restart_count: usize,
     /// Number of accessors whose count differs from the count of their compressed data.
     miscounts: usize,
@@ -81,9 +72,8 @@ pub struct SceneReader<'a> {
 }
 
 impl<'a> SceneReader<'a> {
-    /// A reader of the document's default scene. `byte_count` is the size of the file with its
-    /// buffers. Decoded views count as `repeated_count` against the limit on repetition. With
-    /// `shapes`, colliders of nodes are read as objects too.
+    /// `byte_count` is the size of the file with its buffers. Decoded views count as
+    /// `repeated_count` against the limit on repetition. With `shapes`, colliders are objects too.
     pub fn new(
         data: Data<'a>,
         byte_count: usize,
@@ -117,15 +107,12 @@ impl<'a> SceneReader<'a> {
         }
     }
 
-    /// Reads the scene. The error is the first fault, with its node, mesh or accessor; or more
-    /// repetition than the limit. Complexity: O(bytes + repetition).
+    /// Complexity: O(bytes + repetition).
     pub fn read(mut self) -> Result<SourceMesh, Fault> {
         self.add_scene()?;
         self.finish()
     }
 
-    /// [`read`](Self::read), with the node of each object and its transform to the scene: none
-    /// without nodes.
     pub fn read_placed(mut self) -> Result<(SourceMesh, Vec<(u32, DAffine3)>), Fault> {
         self.add_scene()?;
         let places = std::mem::take(&mut self.places);
@@ -194,14 +181,12 @@ impl<'a> SceneReader<'a> {
             )));
         };
         *is_shown = true;
-        // Many nodes may take the one name of a long-named mesh, and visit its many primitives,
-        // however short they are.
+        // Many nodes may repeat one mesh with a long name and many short primitives.
         self.claim(name.len(), 1)?;
         self.begin_object(name);
         self.add_primitives(record, label, mesh_index, transform)
     }
 
-    /// Adds the primitives of a mesh to the current object.
     fn add_primitives(
         &mut self,
         record: &MeshRecord,
@@ -258,9 +243,8 @@ impl<'a> SceneReader<'a> {
         }
     }
 
-    /// Accounts for `count` items, each of which should have taken `bytes_each` bytes of the file.
-    ///
-    /// Instances, shared accessors, and accessors without bytes claim more than the file has.
+    /// Accounts for `count` items of at least `bytes_each` bytes. Instances, shared accessors, and
+    /// accessors without bytes claim more than the file has.
     fn claim(&mut self, count: usize, bytes_each: usize) -> Result<(), Fault> {
         let spelt_out = count.min(self.unclaimed_bytes / bytes_each);
         self.unclaimed_bytes -= spelt_out * bytes_each;
@@ -277,7 +261,6 @@ impl<'a> SceneReader<'a> {
         self.place(elements.count, |at| elements.position(at), transform)
     }
 
-    /// The compressed data of a primitive, if it has no other.
     fn only_compressed(&self, primitive: &Primitive, accessor: u32) -> Result<Option<Draco>, Fault> {
         let Some(draco) = primitive.extensions.draco else {
             return Ok(None);
@@ -290,7 +273,6 @@ impl<'a> SceneReader<'a> {
         Ok(has_no_bytes.then_some(draco))
     }
 
-    /// Adds the vertices and triangles of a primitive that is compressed by Draco.
     fn add_compressed(
         &mut self,
         draco: Draco,
@@ -355,7 +337,6 @@ impl<'a> SceneReader<'a> {
         Ok(())
     }
 
-    /// Compares the count of an accessor with the number of elements that its compressed data has.
     fn check_count(&mut self, accessor: u32, found: usize) {
         let declared = self.data.document.accessors.get(accessor as usize).map_or(0, |accessor| accessor.count);
         if declared != found as u64 {
@@ -530,7 +511,6 @@ impl<'a> SceneReader<'a> {
     }
 }
 
-/// Vertex index in the scene of corner `at` of a primitive.
 fn corner(indices: Option<&AccessorReader>, at: usize, first: u32, vertex_count: usize) -> Result<u32, Fault> {
     let index = match indices {
         Some(indices) => indices.index(at),
@@ -545,8 +525,7 @@ fn corner(indices: Option<&AccessorReader>, at: usize, first: u32, vertex_count:
     Ok(first + index)
 }
 
-/// For each mesh whether the default scene shows it, as far as the references are valid.
-/// Complexity: O(nodes + meshes).
+/// As far as the references are valid.
 pub fn shown_meshes(document: &Document) -> Vec<bool> {
     let mut is_shown = vec![document.nodes.is_empty(); document.meshes.len()];
     let mut is_visited = vec![false; document.nodes.len()];
@@ -567,7 +546,6 @@ pub fn shown_meshes(document: &Document) -> Vec<bool> {
     is_shown
 }
 
-/// Root nodes of the default scene.
 fn roots(document: &Document) -> Result<Vec<u32>, Fault> {
     let index = document.scene.unwrap_or(0);
     match document.scenes.get(index as usize) {
@@ -617,7 +595,6 @@ fn local(node: &Node) -> Result<DAffine3, String> {
     if transform.is_finite() { Ok(transform) } else { Err("has a transform that is not finite: correct it".to_owned()) }
 }
 
-/// A name in parentheses, for messages.
 fn quoted(name: Option<&str>) -> String {
     name.map_or(String::new(), |name| format!(" ({})", excerpt(name)))
 }

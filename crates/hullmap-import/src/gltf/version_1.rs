@@ -5,8 +5,7 @@ use std::fmt;
 use serde::Deserialize;
 use serde::de::{Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
-/// Whether a JSON text is glTF 1.0: its version states it, or it has no version, which 1.0 allows,
-/// and nodes, meshes and the like are objects instead of lists. Complexity: O(bytes).
+/// Decides by the version, or without one, which 1.0 allows, by objects in place of lists.
 pub fn is_version_1(text: &[u8]) -> bool {
     let Ok(document) = serde_json::from_slice::<Document>(text) else {
         return false;
@@ -20,7 +19,6 @@ pub fn is_version_1(text: &[u8]) -> bool {
     }
 }
 
-/// The properties that distinguish the versions.
 #[derive(Deserialize)]
 struct Document {
     asset: Option<Asset>,
@@ -36,7 +34,6 @@ struct Asset {
     version: Option<Outline>,
 }
 
-/// A JSON value without its content, except for numbers and strings.
 enum Outline {
     Object,
     Number(f64),

@@ -8,12 +8,10 @@ use crate::tokens::{Tokens, text};
 /// Sample without ground, unless the header states another one.
 const NO_DATA: f64 = -9999.0;
 
-/// Whether a file starts with the first key of the header.
 pub(super) fn is_grid(bytes: &[u8]) -> bool {
     bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"ncols"))
 }
 
-/// What the header states.
 #[derive(Default)]
 struct Head {
     columns: Option<f64>,
@@ -26,7 +24,6 @@ struct Head {
     is_middle: [bool; 2],
 }
 
-/// Heights of a grid.
 pub(super) fn heights(bytes: &[u8], options: &HeightOptions) -> Result<Heights, LineFault> {
     let mut tokens = Tokens::new(bytes, 1);
     let head = head(&mut tokens)?;
@@ -115,7 +112,6 @@ fn head(tokens: &mut Tokens) -> Result<Head, LineFault> {
     }
 }
 
-/// A number, or NaN.
 fn number(word: &[u8]) -> Result<f64, Fault> {
     let word = text(word);
     word.parse().map_err(|_| {

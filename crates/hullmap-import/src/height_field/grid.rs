@@ -65,7 +65,6 @@ pub(super) fn sample_count(columns: usize, rows: usize) -> Result<usize, LineFau
     })
 }
 
-/// Rows in the opposite order.
 pub(super) fn flipped<T: Copy>(samples: &[T], columns: usize) -> Vec<T> {
     samples.chunks(columns.max(1)).rev().flatten().copied().collect()
 }

@@ -15,17 +15,6 @@ use std::str::FromStr;
 const ROUNDED_DIGITS: std::ops::RangeInclusive<usize> = 6..=17;
 
 /// A value of samples without ground.
-///
-/// # Examples
-/// ```
-/// use hullmap_import::height_field::Hole;
-///
-/// let rounded: Hole = "-3.402823e+38".parse()?;
-/// assert!(rounded.is_number(f64::from(f32::MIN)));
-/// let zero: Hole = "0".parse()?;
-/// assert!(!zero.is_number(0.25) && zero.to_string() == "0");
-/// # Ok::<(), String>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hole {
     value: f64,
@@ -70,7 +59,6 @@ impl FromStr for Hole {
     }
 }
 
-/// A number that reads back as the same value, with the same digits.
 impl fmt::Display for Hole {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.digits {

@@ -8,29 +8,23 @@ use super::grid::{HeightOptions, Heights, flipped, sample_count};
 use super::hole::Hole;
 use crate::fault::{Fault, LineFault};
 
-/// Greatest ratio of the bytes of an image to its compressed bytes: a little above the ratio of
-/// DEFLATE, 1032. An image that claims to be larger is damaged.
+/// A little above DEFLATE's greatest ratio, 1032. An image that claims to be larger is damaged.
 const MAX_RATIO: usize = 1100;
 
-/// First bytes of every PNG.
 const MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// Samples of an image.
 struct Samples {
     columns: usize,
     rows: usize,
     /// Row by row, the one with the least y first, which is the last one of the file.
     samples: Vec<u16>,
-    /// Sample of white.
     white: u16,
 }
 
-/// Whether a file is a PNG, by its first bytes.
 pub(super) fn is_png(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
-/// Heights of an image.
 pub(super) fn heights(bytes: &[u8], options: &HeightOptions) -> Result<Heights, LineFault> {
     let Samples { columns, rows, samples, white } = samples(bytes)?;
     let grey = |hole: Hole| {
@@ -47,7 +41,6 @@ pub(super) fn heights(bytes: &[u8], options: &HeightOptions) -> Result<Heights, 
     Ok(Heights { columns, rows, heights, hole_samples, origin: None, spacing: None, is_image: true })
 }
 
-/// Cells that are holes, by an image of vertices or of cells.
 pub(super) fn holes(bytes: &[u8], columns: usize, rows: usize) -> Result<Vec<bool>, LineFault> {
     if !is_png(bytes) {
         return Err(Fault::format("holes are given by a greyscale PNG; export the image as PNG").of_file());

@@ -1,9 +1,8 @@
 //! Import of heights on a grid: greyscale PNG, ESRI ASCII grid, raw numbers of 32 bits.
 //!
-//! A sample becomes the height `offset + scale · sample`, computed in f64 and rounded to f32. The
-//! samples of an image count from 0, which is black, to 1, which is white. Rows are returned in the
-//! order of y, as height fields have them: in images and in ESRI grids the top row comes first and
-//! has the greatest y. Files of raw numbers begin with the least y.
+//! A sample becomes the height `offset + scale · sample`, computed in f64 and rounded to f32.
+//! Samples of an image count from 0, black, to 1, white. Rows are returned in the order of y:
+//! images and ESRI grids start with the greatest y, files of raw numbers with the least.
 //!
 //! # Reference
 //! ESRI ASCII grid: "Esri ASCII raster format", ArcGIS documentation. Its samples belong to the
@@ -30,22 +29,17 @@ use crate::read::{ReadError, SourceFile, read_alone};
 ///
 /// # Errors
 /// The file cannot be read, is not a regular file, or is larger than the limit.
-///
-/// # Complexity
-/// O(bytes).
 pub fn read_heights(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, ReadError> {
     read_alone(file, path, limits)
 }
 
-/// Heights from the bytes of a file.
-///
-/// `file` is the name of the file in messages.
+/// Heights from the bytes of a file, whose name in messages is `file`.
 ///
 /// # Errors
 /// The bytes are in no format that is read, or are incomplete, or a height is too large for f32.
 ///
 /// # Complexity
-/// O(bytes + samples). Memory for the samples, which are at most 1,100 times the bytes.
+/// O(bytes + samples). There are at most 1,100 times as many samples as bytes.
 ///
 /// # Examples
 /// ```
@@ -79,9 +73,6 @@ pub fn import_heights(file: &str, bytes: &[u8], options: &HeightOptions) -> Resu
 ///
 /// # Errors
 /// The bytes are not a greyscale PNG of one of these sizes.
-///
-/// # Complexity
-/// O(bytes + samples).
 pub fn import_holes(file: &str, bytes: &[u8], columns: usize, rows: usize) -> Result<Vec<bool>, ImportError> {
     image::holes(bytes, columns, rows).map_err(|fault| in_file(file, fault))
 }
@@ -90,7 +81,6 @@ fn in_file(file: &str, LineFault { line, fault }: LineFault) -> ImportError {
     ImportError { file: file.to_owned(), line, fault }
 }
 
-/// Fails if a height is infinite.
 fn finite(heights: Heights) -> Result<Heights, LineFault> {
     match heights.heights.iter().position(|height| height.is_infinite()) {
         Some(at) => {

@@ -3,7 +3,6 @@
 use super::grid::{HeightOptions, Heights, sample_count};
 use crate::fault::{Fault, LineFault};
 
-/// Heights of a file without a header.
 pub(super) fn heights(
     bytes: &[u8],
     columns: usize,

@@ -1,5 +1,3 @@
-//! Tests of the readers of heights.
-
 use super::*;
 
 /// A PNG, its top row first.
@@ -47,7 +45,6 @@ fn images_of_other_kinds_have_a_remedy() {
     let mut cut = grey(64, 64, &[9; 64 * 64]);
     cut.truncate(cut.len() - 20);
     assert!(message(&cut, &options).contains("damaged PNG"));
-    // A few bytes that claim to be a large image.
     let mut bomb = grey(1, 1, &[1]);
     bomb[16..24].copy_from_slice(&[0, 0, 0x20, 0, 0, 0, 0x20, 0]);
     let crc = crc(&bomb[12..29]);
@@ -78,8 +75,7 @@ fn raw_numbers_have_the_stated_size() {
     assert!(message(&bytes, &HeightOptions::DEFAULT).contains("expected a greyscale PNG"));
 }
 
-/// Values as tools write them, each with samples as they are stored that are this value, and others
-/// that are not. The nearest f32 is computed by the parser of f32, from the decimal.
+/// Values as tools write them, with samples as they are stored that are this value, and others.
 #[test]
 fn hole_values_match_samples_as_they_are_stored() {
     let same = |text: &str| text.parse::<f32>().unwrap();
@@ -91,8 +87,7 @@ fn hole_values_match_samples_as_they_are_stored() {
         ("1e30", vec![1e30], vec![same("1.0000002e30")]),
         ("3.4028235e38", vec![f32::MAX], vec![f32::MAX.next_down().next_down(), f32::MIN]),
         ("-3.4e38", vec![-3.4e38], vec![f32::MIN, same("-3.4000003e38")]),
-        // Rounded to six, seven and nine digits: of the least f32, and of its neighbours if they
-        // have the same digits.
+        // The least f32, rounded to six, seven and nine digits, and neighbours of the same digits.
         ("-3.40282e+38", vec![f32::MIN, same("-3.402820e38")], vec![-3.4028e38]),
         ("-3.402823e+38", vec![f32::MIN, f32::MIN.next_up()], vec![-3.4028e38, f32::MAX]),
         ("-3.40282347E+38", vec![f32::MIN], vec![f32::MIN.next_up().next_up(), -3.4e38]),
@@ -123,7 +118,6 @@ fn hole_values_match_samples_as_they_are_stored() {
             assert_eq!(heights.hole_samples, count, "{value}");
         }
     }
-    // A value beyond f32 in a grid of text, and values that are none.
     let hole: Hole = "-1.797693e+308".parse().unwrap();
     assert!(hole.is_number(f64::MIN) && !hole.is_number(-1.7e308));
     assert!(["", "x", "1e400", "nan", "1e", "--1"].iter().all(|text| text.parse::<Hole>().is_err()));

@@ -7,7 +7,6 @@ use rayon::prelude::*;
 
 use crate::fault::Fault;
 
-/// Length of the longest keyword whose line never continues.
 const LONGEST_NAME_KEYWORD: usize = "usemtl".len();
 
 /// Iterator over the lines of a text. A line ends with LF, CRLF or a lone CR.
@@ -23,12 +22,10 @@ impl<'a> Lines<'a> {
         Self { rest: bytes, line_number: first - 1 }
     }
 
-    /// Number of the last line returned.
     pub fn line_number(&self) -> usize {
         self.line_number
     }
 
-    /// Next physical line, without its line ending.
     fn next_physical(&mut self) -> Option<&'a [u8]> {
         if self.rest.is_empty() {
             return None;
@@ -61,18 +58,14 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Whether a trailing `\` joins the next line to this one. Comments and lines that hold a name
-/// never continue.
-///
-/// Reads only the start of the line, because it is called once for each continuation, and the
-/// joined line keeps growing.
+/// Whether a trailing `\` joins the next line: not after comments or names. Reads only the start of
+/// the line, which grows with each continuation.
 fn may_continue(line: &[u8]) -> bool {
     let start = line.get(..=LONGEST_NAME_KEYWORD).unwrap_or(line);
     let keyword = start.split(u8::is_ascii_whitespace).next().unwrap_or_default();
     !keyword.starts_with(b"#") && ![&b"o"[..], b"g", b"usemtl", b"mtllib"].contains(&keyword)
 }
 
-/// Whether a logical line is a `v` line.
 pub fn is_vertex_line(line: &[u8]) -> bool {
     // A line whose first part is only a continuation starts with a blank.
     match line.trim_ascii_start() {
@@ -83,8 +76,7 @@ pub fn is_vertex_line(line: &[u8]) -> bool {
     }
 }
 
-/// Whether a line is one of the most frequent kinds without effect on a hull. Saves splitting it
-/// into words.
+/// The most frequent lines without effect on a hull need not be split into words.
 pub fn is_irrelevant(line: &[u8]) -> bool {
     matches!(line, [b'v', b't' | b'n' | b'p', b' ' | b'\t', ..] | [b'#', ..])
 }
@@ -92,22 +84,18 @@ pub fn is_irrelevant(line: &[u8]) -> bool {
 /// A text cut into parts that are read in parallel.
 #[derive(Debug)]
 pub struct Parts<'a> {
-    /// The whole text.
     pub text: &'a [u8],
     /// The parts, in file order. Joined they are the text, and so are their logical lines.
     pub parts: Vec<Part<'a>>,
 }
 
-/// A part of a text, and its place in the whole.
 #[derive(Clone, Copy, Debug)]
 pub struct Part<'a> {
-    /// Its bytes.
     pub text: &'a [u8],
     /// One-based number of its first line.
     pub first_line: usize,
     /// Number of `v` lines before it.
     pub first_vertex: usize,
-    /// Number of `v` lines in it.
     pub vertex_count: usize,
 }
 
@@ -130,7 +118,6 @@ impl<'a> Parts<'a> {
         Ok(Self { text, parts })
     }
 
-    /// Number of `v` lines in the text.
     pub fn vertex_count(&self) -> usize {
         self.parts.iter().map(|part| part.vertex_count).sum()
     }
@@ -178,9 +165,8 @@ fn cut(bytes: &[u8], size: usize) -> Vec<&[u8]> {
     pieces
 }
 
-/// Runs `$body` with the words of a logical line, separated as `str::split_whitespace` does.
-///
-/// Lines of ASCII alone take a faster path. Replacement characters stand for bytes beyond UTF-8.
+/// Runs `$body` with the words of a logical line, as from `str::split_whitespace`, faster for
+/// ASCII. Replacement characters stand for bytes beyond UTF-8.
 macro_rules! with_words {
     ($line:expr, $words:ident => $body:expr) => {{
         match std::str::from_utf8($line) {

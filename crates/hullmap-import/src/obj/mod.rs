@@ -10,19 +10,14 @@
 //!    first fault.
 //!
 //! # Division of work with tobj
-//! tobj reads the numbers. Each coordinate is read once. The scan keeps what tobj does not provide:
-//! - *References.* A hull records the `v` line of each vertex. tobj indexes the vertices of each
-//!   object by their first use and drops those indices that lead back to the file. It resolves
-//!   references when an object ends, so that references ahead fail. Hence the scan resolves
-//!   references, once, and compares each with the vertex count.
-//! - *Vertices without an element.* tobj does not report them. `--vertices all` and point clouds
-//!   require them.
-//! - *`p` elements*, which tobj ignores.
+//! tobj reads the numbers. The scan keeps what tobj does not provide:
+//! - *References.* A hull records the `v` line of each vertex. tobj indexes each object's vertices
+//!   by first use, drops the way back, and resolves references when an object ends, so that
+//!   references ahead fail.
+//! - *Vertices without an element*, for `--vertices all` and point clouds, and *`p` elements*.
 //! - *Lines.* tobj's errors have no line number, and tobj accepts NaN and infinity.
-//! - *Continued lines, comments behind numbers, lone CRs, byte order marks, UTF-16*, which tobj
-//!   does not read.
-//! - *Weights.* tobj divides by the weight w of `v x y z w`. It gets x, y and z only: see the
-//!   deviations of [`scan`].
+//! - *Continued lines, comments behind numbers, lone CRs, byte order marks, UTF-16.*
+//! - *Weights*, by which tobj divides: see the deviations of [`scan`].
 //!
 //! The tests compare the result with tobj's own reading of whole files, elements included.
 
@@ -47,12 +42,10 @@ use scan::{Scan, VertexCheck};
 /// Bytes of a part: some milliseconds of work.
 pub const PART_BYTES: usize = 4 << 20;
 
-/// Reads an OBJ file. Vertices are the `v` lines. Objects are the `o` lines; the first object is
-/// what precedes them.
+/// Vertices are the `v` lines. Objects are the `o` lines; the first object is what precedes them.
 ///
-/// `is_double` selects the precision of the positions: `f64` or `f32`. The error is the first fault
-/// in the file, with its line. References beyond the last vertex are reported after all other
-/// faults. Complexity: O(bytes), in parallel.
+/// `is_double` selects `f64` positions instead of `f32`. The error is the first fault in the file;
+/// references beyond the last vertex come last. Complexity: O(bytes), in parallel.
 pub fn read(bytes: &[u8], is_double: bool, limits: &Limits) -> Result<SourceMesh, LineFault> {
     let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let text = encoding::from_utf16(text).map_or(Cow::Borrowed(text), Cow::Owned);

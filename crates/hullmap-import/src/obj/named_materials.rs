@@ -4,7 +4,6 @@ use std::collections::HashMap;
 
 use crate::materials::Materials;
 
-/// Materials of the faces of a file, or of a part of it.
 #[derive(Debug, Default)]
 pub struct NamedMaterials {
     numbers: HashMap<String, u32>,
@@ -37,7 +36,6 @@ impl NamedMaterials {
         }
     }
 
-    /// The materials of the whole file.
     pub fn finish(self) -> Materials {
         let mut materials = Materials::with_names(by_number(self.numbers));
         for (face, number) in self.runs {
@@ -47,7 +45,6 @@ impl NamedMaterials {
     }
 }
 
-/// The names in the order of their numbers.
 fn by_number(numbers: HashMap<String, u32>) -> Vec<String> {
     let mut names: Vec<(u32, String)> = numbers.into_iter().map(|(name, number)| (number, name)).collect();
     names.sort_unstable();

@@ -1,14 +1,10 @@
 //! Wavefront OBJ: the coordinates of the `v` lines, read by tobj as `f32` or parsed here as `f64`.
 //!
-//! tobj reports a vertex only where an element references it, and indexes the vertices of each
-//! object by their first use. So each batch of `v` lines is followed by one `l` line that
-//! references all of them in order: the resulting model has the positions in file order. The
-//! element lines of the file are not part of the text, see [`super`].
+//! tobj reports a vertex only where an element references it, and indexes each object's vertices by
+//! first use. So each batch of `v` lines is followed by one `l` line that references all in order.
 //!
-//! tobj keeps about 200 bytes per vertex while it builds a model. A batch bounds that memory.
-//!
-//! tobj parses `f32` in this build; its `f64` is a Cargo feature, and would round `f32` coordinates
-//! twice. Where the options require `f64`, [`VertexLine`] parses the coordinates.
+//! tobj keeps about 200 bytes per vertex while it builds a model, so batches are small. It parses
+//! `f32` in this build; its `f64` would round `f32` coordinates twice. [`VertexLine`] parses `f64`.
 
 use std::io::Write as _;
 
@@ -22,13 +18,11 @@ use crate::fault::Fault;
 /// Vertices that tobj reads at a time. They and their model fit the second-level cache.
 const BATCH_VERTICES: usize = 1 << 12;
 
-/// Words longer than this are parsed here before tobj gets a copy, so that junk is not copied
-/// several times.
+/// Longer words are parsed here before tobj gets a copy, so that junk is not copied several times.
 const LONG_WORD_BYTES: usize = 1 << 10;
 
-/// Positions of all `v` lines as `f32`, read by tobj. Fails if a coordinate is faulty. The fault
-/// names no line, and need not be the first one: [`super::read`] finds that. Complexity: O(bytes),
-/// in parallel.
+/// Read by tobj. The fault names no line, and need not be the first one: [`super::read`] finds
+/// that. Complexity: O(bytes), in parallel.
 pub fn singles(parts: &Parts) -> Result<Vec<[f32; 3]>, Fault> {
     fill(parts, |part, positions| {
         let mut batch = Batch::default();
@@ -84,7 +78,6 @@ fn for_each_vertex(part: &Part, mut visit: impl FnMut(&VertexLine) -> Result<(),
     Ok(())
 }
 
-/// `v` lines for one call of tobj.
 #[derive(Debug, Default)]
 struct Batch {
     text: Vec<u8>,

@@ -2,12 +2,10 @@
 
 use crate::fault::{Fault, excerpt};
 
-/// Zero-based vertex index of a reference such as `7`, `7/1`, `7//3`, `7/1/3` or `-1`.
-///
-/// `declared` is the number of `v` lines above the reference. The indices of texture coordinates
-/// and normals must be integers; their range has no effect on a hull and is not checked. An index
-/// that `u32` cannot hold is returned as `u32::MAX`, which no file has. Fails if the word is not a
-/// reference, the index is 0, or a negative index reaches back before the first vertex.
+/// For instance `7`, `7/1`, `7//3`, `7/1/3` or `-1`, with `declared` `v` lines above. Indices of
+/// texture coordinates and normals must be integers in any range. An index that `u32` cannot hold
+/// becomes `u32::MAX`, which no file has. Fails for other words, 0, and indices before the first
+/// vertex.
 pub fn resolve_reference(word: &str, declared: usize) -> Result<u32, Fault> {
     let bad = || Fault::BadReference { text: excerpt(word) };
     let mut parts = word.split('/');

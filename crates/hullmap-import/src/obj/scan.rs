@@ -12,9 +12,8 @@
 //! A large file is scanned in parts, in parallel. The result does not depend on where it is cut.
 //!
 //! # Deviations
-//! All of them accept files that other readers accept too:
-//! - a word that starts with `#` ends a `v`, `f`, `l` or `p` line, since many writers put comments
-//!   there;
+//! Other readers accept such files, too:
+//! - a word that starts with `#` ends a `v`, `f`, `l` or `p` line, where many writers put comments;
 //! - comments and lines that hold names (`o`, `g`, `usemtl`, `mtllib`) never continue, since
 //!   Windows paths end in `\`;
 //! - bytes that are not UTF-8 are accepted except in numbers;
@@ -32,17 +31,14 @@ use crate::fault::{Fault, LineFault, excerpt};
 use crate::limits::Limits;
 use crate::mesh::{Polygons, SourceObject};
 
-/// Check that the scan makes for each `v` line.
 pub type VertexCheck = fn(&VertexLine) -> Result<(), Fault>;
 
 /// Everything in an OBJ file that shapes a hull, except coordinates.
 #[derive(Debug, Default)]
 pub struct Scan {
-    /// Number of `v` lines.
     pub vertex_count: usize,
     /// `f` elements: zero-based vertex indices, all in range.
     pub faces: Polygons,
-    /// Materials of the faces, by the names on `usemtl` lines.
     pub materials: NamedMaterials,
     /// References of `l` and `p` elements: zero-based vertex indices, all in range.
     pub loose: Vec<u32>,
@@ -50,7 +46,6 @@ pub struct Scan {
     pub objects: Vec<SourceObject>,
     /// Whether the file has more objects than the limit. The rest then belong to the last object.
     pub has_too_many_objects: bool,
-    /// Number of `g` lines.
     pub group_count: usize,
     /// Number of `f` lines with fewer than three vertices.
     pub short_face_count: usize,
@@ -58,11 +53,9 @@ pub struct Scan {
     pub free_form_line: Option<usize>,
     /// Number of `v` lines with a weight other than 1, which is ignored.
     pub weight_count: usize,
-    /// First of these lines.
     pub weight_line: Option<usize>,
     /// Number of `v` lines before this part of the file.
     vertices_before: usize,
-    /// Maximum number of objects.
     object_limit: usize,
     /// Largest reference, in range or not.
     largest_reference: u32,
@@ -72,8 +65,7 @@ pub struct Scan {
 /// with its line. References beyond the last vertex are found after all other faults. Complexity:
 /// O(bytes), in parallel. Memory is at most 4 bytes a reference and 4 a face, twice.
 pub fn scan(parts: &Parts, limits: &Limits, check: VertexCheck) -> Result<Scan, LineFault> {
-    // Every part is scanned even after a fault in an earlier one: the first fault in the file must
-    // be reported, whichever thread finds one first.
+    // The first fault in the file is reported, so every part is scanned.
     let scans: Vec<Result<Scan, LineFault>> =
         parts.parts.par_iter().map(|part| Scan::of_part(part, limits, check)).collect();
     let mut whole = Scan {
@@ -245,7 +237,6 @@ fn argument(line: &[u8], keyword: &str) -> String {
     line.strip_prefix(keyword).unwrap_or(line).trim().to_owned()
 }
 
-/// Finds the first reference beyond the last vertex, by reading the elements again.
 fn first_out_of_range(text: &[u8], scan: &Scan) -> LineFault {
     let count = scan.vertex_count;
     let mut lines = Lines::new(text, 1);
@@ -273,8 +264,7 @@ fn first_out_of_range(text: &[u8], scan: &Scan) -> LineFault {
 mod tests {
     use super::*;
 
-    /// A file with everything that may depend on the cuts: negative references, references ahead,
-    /// objects, faults.
+    /// Everything that may depend on the cuts.
     fn text(fault: &str) -> String {
         let mut text = String::from("f 1 3 2\n");
         for i in 0..40 {

@@ -43,7 +43,6 @@ fn without_weights(text: &str) -> String {
     text.split('\n').map(without).collect()
 }
 
-/// Corners as tobj alone reads them, or `None` if it rejects the file.
 fn corners_of_tobj(text: &[u8]) -> Option<Corners> {
     let text = without_weights(&String::from_utf8_lossy(text));
     let no_materials = |_: &std::path::Path| Ok(Default::default());
@@ -126,7 +125,6 @@ fn random_files_agree_with_both_twins() {
     assert!(corner_counts.iter().all(|&count| count > 10_000), "{corner_counts:?}");
 }
 
-/// Damaged files are mostly rejected by one reader or the other. What both accept must agree.
 #[test]
 fn damaged_files_agree_with_both_twins_or_are_rejected() {
     let mut random = SplitMix64::new(SEED);
@@ -146,8 +144,7 @@ fn damaged_files_agree_with_both_twins_or_are_rejected() {
         read_count += 1;
         let at = format!("seed {SEED}, round {round}: {}", bytes.escape_ascii());
         assert_eq!(bits(&mesh.positions), bits(&Positions::Single(parsed_positions(&bytes))), "{at}");
-        // tobj does not read comments behind numbers, continued lines, lone CRs or `p` elements, or
-        // reads them otherwise.
+        // tobj reads comments behind numbers, continued lines, lone CRs and `p` elements otherwise.
         let text = String::from_utf8_lossy(&bytes).replace("\r\n", "\n").replace("\n# comment\n", "\n");
         let is_beyond_tobj = text.contains(['#', '\\', 'p', '\r']);
         if !is_beyond_tobj && let Some(corners) = corners_of_tobj(&bytes) {
@@ -173,7 +170,6 @@ fn committed_models_agree_with_both_twins() {
     assert!(compared_count >= 10, "{compared_count}");
 }
 
-/// More vertices than a batch and a part hold, at counts next to their limits.
 #[test]
 fn batches_and_parts_keep_every_vertex() {
     for count in [1, 2, 3, 4095, 4096, 4097, 12_289] {
@@ -195,7 +191,6 @@ fn references_ahead_resolve_over_any_distance() {
     assert_eq!(read(text.as_bytes(), false, &Limits::DEFAULT).unwrap().faces.len(), 40_000);
 }
 
-/// The scan skips coordinates and tobj elements, but the first fault in the file is reported.
 #[test]
 fn the_first_fault_is_reported_whichever_step_finds_it() {
     let line = |text: &str, is_double| read(text.as_bytes(), is_double, &Limits::DEFAULT).unwrap_err().line;
@@ -229,8 +224,7 @@ fn doubles_round_to_the_singles() {
     assert!(point_count > 2000, "{point_count}");
 }
 
-/// A sphere of a million vertices and two million triangles, each corner with a texture coordinate
-/// and a normal.
+/// A million vertices and two million triangles; each corner has a texture coordinate and a normal.
 fn sphere() -> String {
     const RINGS: usize = 1000;
     let mut text = String::with_capacity(160 << 20);

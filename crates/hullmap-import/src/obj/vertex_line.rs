@@ -3,8 +3,7 @@
 use crate::coordinate::{Coordinate, parse_coordinate};
 use crate::fault::{Fault, excerpt};
 
-/// Words of a `v` line that define a point: x, y and z. A fourth number is a weight, and three more
-/// are a colour.
+/// x, y and z. A fourth number is a weight, and three more are a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VertexLine<'a> {
     words: [&'a str; 3],
@@ -12,8 +11,7 @@ pub struct VertexLine<'a> {
 }
 
 impl<'a> VertexLine<'a> {
-    /// Takes the words behind the keyword. The last three of six are a colour, which is not read.
-    /// Fails if the line has neither 3, 4 nor 6 numbers.
+    /// The words behind the keyword: 3, 4 with a weight, or 6 with a colour, which is not read.
     pub fn new(words: impl Iterator<Item = &'a str>) -> Result<Self, Fault> {
         let mut first = [""; 4];
         let mut found = 0;
@@ -31,12 +29,10 @@ impl<'a> VertexLine<'a> {
         }
     }
 
-    /// The words of x, y and z.
     pub fn words(&self) -> &[&'a str] {
         &self.words
     }
 
-    /// Whether the line has a weight other than 1. Fails if the weight is not a number.
     pub fn has_ignored_weight(&self) -> Result<bool, Fault> {
         let Some(weight) = self.weight else {
             return Ok(false);

@@ -1,16 +1,13 @@
 //! PLY: the body behind the header, read number by number.
 //!
-//! In text, each instance is a line. Values after the declared ones are ignored, as other readers
-//! do. Some files have their line breaks elsewhere: several instances in a line, or an instance
-//! that continues on the next one. Such a file is read as one sequence of words, without regard to
-//! lines, see [`Layout`].
+//! In text, each instance is a line, and values after the declared ones are ignored, as by other
+//! readers. Files with other line breaks are read as a sequence of words, see [`Layout`].
 
 use super::header::{Element, Encoding, Header, Scalar};
 use crate::coordinate::parse_coordinate;
 use crate::fault::{Fault, LineFault, counted, excerpt};
 use crate::tokens::{Tokens, text};
 
-/// How the words of a text body are divided into instances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
     /// Each instance starts and ends with its line. Surplus words are ignored.
@@ -19,14 +16,11 @@ pub enum Layout {
     Words,
 }
 
-/// A text body.
 pub struct TextBody<'a> {
     tokens: Tokens<'a>,
     layout: Layout,
-    /// Number of lines with surplus words, and the first of them.
     surplus_count: usize,
     surplus_line: Option<usize>,
-    /// Whether an instance has more numbers than its line.
     has_short_line: bool,
 }
 
@@ -41,17 +35,9 @@ impl<'a> TextBody<'a> {
     }
 }
 
-/// Reader of a body.
 pub enum Body<'a> {
-    /// ASCII words.
     Text(TextBody<'a>),
-    /// Binary numbers.
-    Binary {
-        /// Bytes not read yet.
-        rest: &'a [u8],
-        /// Whether numbers are big-endian.
-        is_big: bool,
-    },
+    Binary { rest: &'a [u8], is_big: bool },
 }
 
 impl<'a> Body<'a> {
@@ -82,7 +68,6 @@ impl<'a> Body<'a> {
         matches!(self, Self::Text(TextBody { surplus_count: 1.., .. }))
     }
 
-    /// Note about surplus values that were ignored.
     pub fn note(&self) -> Option<String> {
         let Self::Text(TextBody { surplus_count, surplus_line: Some(line), .. }) = self else {
             return None;
@@ -91,14 +76,12 @@ impl<'a> Body<'a> {
         Some(format!("line {line}: {lines} more values than the header declares, which are ignored"))
     }
 
-    /// Starts an instance.
     pub fn begin_instance(&mut self) {
         if let Self::Text(TextBody { tokens, layout: Layout::Lines, .. }) = self {
             tokens.skip_blank();
         }
     }
 
-    /// Ends an instance, and skips surplus values.
     pub fn end_instance(&mut self) {
         if let Self::Text(TextBody { tokens, layout: Layout::Lines, surplus_count, surplus_line, .. }) = self
             && !tokens.rest_of_line().is_empty()
@@ -108,7 +91,6 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// A fault at the current position.
     pub fn fault(&self, message: String) -> LineFault {
         match self {
             Self::Text(text) => Fault::format(message).at_line(text.tokens.line()),
@@ -138,7 +120,6 @@ impl<'a> Body<'a> {
         .of_file())
     }
 
-    /// Skips all instances of an element. Fails if the file ends first.
     pub fn skip(&mut self, element: &Element) -> Result<(), LineFault> {
         if let (Self::Binary { rest, .. }, Some(size)) = (&mut *self, element.fixed_size()) {
             // `check_room` has checked that the bytes exist.
@@ -161,7 +142,6 @@ impl<'a> Body<'a> {
         Ok(())
     }
 
-    /// Skips a list. Fails if the file ends first.
     pub fn skip_list(
         &mut self,
         length: Scalar,
@@ -182,7 +162,6 @@ impl<'a> Body<'a> {
         Ok(())
     }
 
-    /// Skips a number. Fails if the file ends first.
     pub fn skip_number(&mut self, scalar: Scalar, element: &Element, index: u64) -> Result<(), LineFault> {
         match self {
             Self::Text(_) => self.word(element, index).map(drop),
@@ -190,8 +169,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Length of a list whose numbers fit in the rest of the file. Fails if the length is negative,
-    /// or more than the rest of the file can hold.
+    /// Fails if the length is negative, or more than the rest of the file can hold.
     pub fn length(&mut self, length: Scalar, scalar: Scalar, element: &Element, index: u64) -> Result<u64, LineFault> {
         let number_count = self.integer(length, element, index)?;
         let have = match self {
@@ -207,7 +185,6 @@ impl<'a> Body<'a> {
         })
     }
 
-    /// An integer. Fails if the word is not an integer, or the file ends first.
     pub fn integer(&mut self, scalar: Scalar, element: &Element, index: u64) -> Result<i64, LineFault> {
         if let Self::Text(_) = self {
             let word = text(self.word(element, index)?);

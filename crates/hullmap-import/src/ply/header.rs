@@ -2,18 +2,13 @@
 
 use crate::fault::{Fault, LineFault, counted, excerpt};
 
-/// Encoding of the numbers in the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
-    /// ASCII words.
     Text,
-    /// Little-endian binary.
     Little,
-    /// Big-endian binary.
     Big,
 }
 
-/// Type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scalar {
     /// `char`, `int8`
@@ -49,7 +44,6 @@ impl Scalar {
         })
     }
 
-    /// Size of a number in bytes.
     pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -59,17 +53,14 @@ impl Scalar {
         }
     }
 
-    /// Whether the type is an integer.
     pub fn is_integer(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)
     }
 }
 
-/// Property of an element.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Property {
     pub name: String,
-    /// Type of the number, or of the numbers in a list.
     pub scalar: Scalar,
     /// Type of the length, if the property is a list.
     pub length: Option<Scalar>,
@@ -81,13 +72,12 @@ pub struct Element {
     pub name: String,
     /// Number of instances that the header claims.
     pub count: u64,
-    /// Its properties, in file order.
     pub properties: Vec<Property>,
 }
 
 impl Element {
-    /// Minimum size of an instance in bytes, where lists are empty. A number in text takes a digit
-    /// and a separator.
+    /// Minimum bytes of an instance, with empty lists. A number in text takes a digit and a
+    /// separator.
     pub fn minimum_size(&self, encoding: Encoding) -> u64 {
         let size = |property: &Property| match encoding {
             Encoding::Text => 2,
@@ -101,18 +91,14 @@ impl Element {
         self.properties.iter().map(|p| p.length.is_none().then_some(p.scalar.size())).sum()
     }
 
-    /// Index of the first property with one of these names.
     pub fn find(&self, names: &[&str]) -> Option<usize> {
         self.properties.iter().position(|property| names.contains(&property.name.as_str()))
     }
 }
 
-/// Content of a header.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Header {
-    /// Encoding of the body.
     pub encoding: Encoding,
-    /// The elements, in file order.
     pub elements: Vec<Element>,
     /// Offset of the body in the file.
     pub body: usize,
@@ -122,9 +108,8 @@ pub struct Header {
     pub note: Option<String>,
 }
 
-/// Reads the header. Lines with an unknown keyword are skipped, as other readers do: some exporters
-/// write a remark without `comment`. The error is the first line with a known keyword that is not
-/// valid.
+/// Skips lines with an unknown keyword, as other readers do: some exporters write a remark without
+/// `comment`.
 pub fn read(bytes: &[u8]) -> Result<Header, LineFault> {
     let mut lines = HeaderLines { bytes, at: 0, number: 0 };
     if lines.next() != Some(b"ply") {
@@ -209,9 +194,8 @@ impl<'a> HeaderLines<'a> {
         let rest = self.bytes.get(self.at..)?;
         let end = rest.iter().position(|b| matches!(b, b'\n' | b'\r'))?;
         let (line, tail) = rest.split_at(end);
-        // An LF behind a CR belongs to the same line ending. A binary body that starts with the
-        // byte 10 behind a lone CR would be misread, but no current exporter ends lines with a lone
-        // CR.
+        // An LF behind a CR belongs to the same line ending. A binary body that starts with 10
+        // behind a lone CR would be misread, but no current exporter ends lines so.
         let skip = if tail.starts_with(b"\r\n") { 2 } else { 1 };
         self.at += end + skip;
         self.number += 1;

@@ -2,13 +2,11 @@
 //!
 //! Vertices are the instances of the element `vertex`, with `x`, `y`, `z`. Faces are the lists
 //! `vertex_indices` (or `vertex_index`) of `face`, and the strips of `tristrips`. An `edge`
-//! references its `vertex1` and `vertex2`. A file is one object. Everything else is skipped: header
-//! lines with an unknown keyword, and values after the declared ones in a line.
+//! references its `vertex1` and `vertex2`. A file is one object. Everything else is skipped.
 //!
 //! # Reference
-//! G. Turk, "The PLY Polygon File Format" (1994). The crate `ply-rs-bw` keeps a map of names for
-//! each instance, some hundred bytes per vertex, and reads `float` in text as `f32` only. The tests
-//! compare with it.
+//! G. Turk, "The PLY Polygon File Format" (1994). The crate `ply-rs-bw`, with which the tests
+//! compare, takes some hundred bytes per vertex, and reads `float` in text as `f32` only.
 
 mod body;
 mod header;
@@ -21,21 +19,18 @@ use header::{Element, Encoding, Header, Scalar};
 /// Number of vertices allowed in any file. Above it, each must take [`VERTEX_BYTES`] of the file.
 const FREE_VERTICES: u64 = 1 << 20;
 
-/// Minimum bytes of a vertex: three shorts, or three digits with separators. A vertex takes 45
-/// bytes of memory.
+/// Minimum bytes of a vertex: three shorts, or three digits with separators. It takes 45 of memory.
 const VERTEX_BYTES: usize = 6;
 
-/// Number of strip corners allowed in any file. Above it, each must take [`STRIP_BYTES_A_CORNER`]
-/// of the file.
+/// Strip corners allowed in any file. Beyond, each takes [`STRIP_BYTES_A_CORNER`] of the file.
 const FREE_STRIP_CORNERS: usize = 1 << 22;
 
 /// Minimum bytes of a strip corner. A corner becomes a triangle of 16 bytes, so corners of one byte
 /// would take far more memory than the file. Such corners can address only 256 vertices.
 const STRIP_BYTES_A_CORNER: usize = 4;
 
-/// Reads a PLY file. `is_double` selects `f64` for the positions of a text file. The error is the
-/// first fault, with its line in a header or text body, or with its element in a binary body.
-/// Complexity: O(bytes).
+/// `is_double` selects `f64` for the positions of a text file. The error has its line in a header
+/// or text body, or its element in a binary body.
 pub fn read(bytes: &[u8], is_double: bool) -> Result<SourceMesh, LineFault> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Fault::format("the file is empty; expected a PLY file: export it again").of_file());
@@ -149,8 +144,7 @@ fn read_vertices(body: &mut Body, header: &Header, element: &Element, is_double:
     Ok(if is_double { Positions::Double(doubles) } else { Positions::Single(singles) })
 }
 
-/// Reads lists of vertex indices: polygons, or with a limit on corners triangle strips, in which -1
-/// starts a new strip.
+/// Polygons, or with a limit on corners triangle strips, in which -1 starts a new strip.
 fn read_faces(
     body: &mut Body,
     element: &Element,

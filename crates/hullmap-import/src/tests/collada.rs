@@ -1,13 +1,9 @@
-//! COLLADA files: primitives, transforms, instances, units, and damaged files.
-
 use std::path::Path;
 
 use super::super::*;
 
-/// The corners of a unit cube.
 const CORNERS: &str = "0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1";
 
-/// A file with a geometry `g` of these primitives, and this asset and scene.
 fn file(asset: &str, primitives: &str, scene: &str) -> String {
     format!(
         "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n\
@@ -75,7 +71,6 @@ fn polygons_with_holes_keep_their_outline() {
     assert!(read(&text).unwrap().warnings.iter().any(|warning| warning.contains("polygons have holes")));
 }
 
-/// A point at the corner (1, 0, 0), after transforms.
 fn corner(asset: &str, transforms: &str) -> [f32; 3] {
     let scene = format!("<node>{transforms}<instance_geometry url=\"#g\"/></node>");
     read(&file(asset, &primitive("triangles", &[&[1, 0, 2]], ""), &scene)).unwrap().point_sets[0].positions[0]
@@ -157,7 +152,6 @@ fn damaged_files_are_errors_with_lines() {
     }
 }
 
-/// A few bytes repeat a geometry many times; the limit ends it.
 #[test]
 fn instances_are_limited() {
     let doubled = (0..24).map(|level| {

@@ -30,13 +30,11 @@ fn triangles_of(mesh: &Mesh) -> Vec<[u32; 3]> {
 /// Versions of the format with different headers: the current version, and earlier ones.
 const VERSIONS: [(u8, u8); 5] = [(2, 2), (2, 1), (2, 0), (1, 3), (1, 2)];
 
-/// A mesh as Draco data with exact positions. `speed` selects the encodings: 10 is sequential, the
-/// others EdgeBreaker.
+/// Exact positions. `speed` selects the encodings: 10 is sequential, the others EdgeBreaker.
 fn encode(mesh: &Mesh, speed: i32) -> Vec<u8> {
     encode_rounded(mesh, speed, None)
 }
 
-/// [`encode`] with coordinates rounded to `bits`.
 fn encode_rounded(mesh: &Mesh, speed: i32, bits: Option<i32>) -> Vec<u8> {
     encode_as(VERSIONS[0], mesh, speed, bits).unwrap()
 }
@@ -82,7 +80,6 @@ fn sheet_mesh(n: u32) -> Mesh {
     Mesh { vertices: vertices.collect(), faces: faces.collect() }
 }
 
-/// Document of a mesh whose only data is Draco data in a view of `length` bytes.
 fn json(length: usize, nodes: &str, uri: &str) -> String {
     format!(
         r#"{{"asset":{{"version":"2.0"}},"extensionsUsed":["KHR_draco_mesh_compression"],"extensionsRequired":["KHR_draco_mesh_compression"],{nodes}"meshes":[{{"primitives":[{{"attributes":{{"POSITION":1}},"indices":0,"extensions":{{"KHR_draco_mesh_compression":{{"bufferView":0,"attributes":{{"POSITION":0}}}}}}}}]}}],"accessors":[{{"componentType":5123,"type":"SCALAR","count":3}},{{"componentType":5126,"type":"VEC3","count":3}}],"bufferViews":[{{"buffer":0,"byteLength":{length}}}],"buffers":[{{{uri}"byteLength":{length}}}]}}"#
@@ -120,7 +117,6 @@ fn draco_primitives_are_decoded() {
         let set = &imported.point_sets[0];
         assert_eq!(set.positions.len(), mesh.vertices.len(), "{speed}");
         assert_eq!(outline(&set.positions, &imported.faces[0].triangles(&set.positions)), expected, "{speed}");
-        // Rounded coordinates, as exporters write them.
         let imported = import_bytes(glb(&encode_rounded(&mesh, speed, Some(14)), ""), &Limits::DEFAULT).unwrap();
         let is_near = |v: &[f32; 3]| mesh.vertices.iter().any(|w| (0..3).all(|axis| (v[axis] - w[axis]).abs() < 2e-4));
         assert_eq!((imported.point_count(), imported.faces[0].len()), (18, expected.len()));
@@ -159,7 +155,6 @@ fn the_buffer_of_draco_data_is_required() {
     );
 }
 
-/// Uncompressed data takes precedence, and then the compressed buffer may be missing.
 #[test]
 fn the_fallback_of_draco_compression_is_read() {
     let points: Vec<u8> =
@@ -194,7 +189,6 @@ fn draco_data_is_limited_and_checked() {
     let mut cloud = data.clone();
     cloud[7] = 0;
     fails(glb(&cloud, ""), &Limits::DEFAULT, "is damaged (it is not a mesh)");
-    // A strip of equal points takes few bytes.
     let large =
         Mesh { vertices: vec![[1.0; 3]; 20_000], faces: (0..19_998).map(|at| vec![at, at + 1, at + 2]).collect() };
     let large = encode_rounded(&large, 5, Some(11));
@@ -218,7 +212,6 @@ fn data_is_rejected_by_its_header_before_it_is_decoded() {
             let claimed = (claim.triangles, claim.vertices);
             assert_eq!(claimed, (2000, mesh.vertices.len()), "{version:?}, speed {speed}");
             assert_eq!(draco::decode(&data, 0, claim).ok().unwrap().triangles.len(), 2000);
-            // The bytes after the header are not read.
             let message = import_bytes(glb(&data[..24], ""), &limits).unwrap_err().to_string();
             assert!(message.contains("--max-instanced"), "{version:?}, speed {speed}: {message}");
             let message = import_bytes(glb(&data[..24], ""), &Limits::DEFAULT).unwrap_err().to_string();
@@ -241,7 +234,7 @@ fn metadata_of_draco_data_is_skipped_and_limited() {
     // Metadata of one attribute, and of the whole, both with the entry `a`.
     let metadata = b"\x01\x00\x01\x01a\x02xy\x00\x01\x01a\x01z\x00";
     assert_eq!(with_metadata(metadata).unwrap(), 18);
-    // Of 32,768 attributes, without entries: 96 KiB.
+    // 32,768 attributes without entries: 96 KiB.
     let many = [&b"\x80\x80\x02"[..], &[0; (3 << 15) + 2]].concat();
     assert!(with_metadata(&many).unwrap_err().to_string().contains("is damaged ("));
 }
@@ -269,7 +262,6 @@ fn a_wrong_count_of_an_accessor_is_reported() {
     assert_eq!(warnings(r#""count":96"#, r#""count":12,"x":5"#).len(), 1);
 }
 
-/// A damaged file imports with finite points, or fails with an error. Nothing panics.
 #[test]
 fn damaged_draco_data_imports_or_fails_with_an_error() {
     const SEED: u64 = 31;

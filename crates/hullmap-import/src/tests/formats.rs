@@ -1,5 +1,4 @@
-//! glTF, STL and PLY: one mesh in every format, comparison with other readers, and the errors of
-//! bad files.
+//! glTF, STL and PLY: one mesh in every format, other readers, and the errors of bad files.
 
 use std::path::Path;
 
@@ -58,7 +57,6 @@ fn obj(mesh: &Mesh) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// Files of a mesh in every format and encoding.
 fn files(mesh: &Mesh) -> Vec<(&'static str, Vec<u8>)> {
     let parts = gltf::parts(&[("prism", mesh)], r#"{"mesh":0,"name":"node"}"#, "0");
     vec![
@@ -95,7 +93,6 @@ fn every_format_gives_the_same_mesh() {
     }
 }
 
-/// Compares with the crates gltf, stl_io and ply-rs-bw.
 #[test]
 fn independent_readers_agree() {
     let mesh = prism();
@@ -179,8 +176,18 @@ fn nodes_are_transformed_in_f64_and_named() {
         "{:?}",
         imported.notes
     );
-    // Without a split, the scene is one set.
     assert_eq!(import_bytes("a.glb", &bytes, WHOLE).unwrap().point_sets[0].positions.len(), 28);
+}
+
+#[test]
+fn only_regular_files_within_the_limit_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.obj");
+    assert!(matches!(read("a.obj", &path, &Limits::DEFAULT), Err(ReadError::Io(_))));
+    std::fs::write(&path, "v 1 2 3").unwrap();
+    let limits = Limits { input_bytes: 6, ..Limits::DEFAULT };
+    assert!(read("a.obj", &path, &limits).unwrap_err().is_too_large());
+    assert_eq!(open_regular(folder.path()).unwrap_err().to_string(), "it is a folder, not a regular file");
 }
 
 #[test]
@@ -220,7 +227,6 @@ fn buffers_beside_the_file_are_read_and_hashed() {
     assert!(error.to_string().contains("has 100: it was cut off"), "{error}");
 }
 
-/// GLB file of one mesh with these accessors, views and buffer.
 fn custom(accessors: &str, views: &str, primitive: &str, extra: &str, buffer: &[u8]) -> Vec<u8> {
     let json = format!(
         r#"{{"asset":{{"version":"2.0"}},{extra}"nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{primitive}]}}],"accessors":[{accessors}],"bufferViews":[{views}],"buffers":[{{"byteLength":{}}}]}}"#,
@@ -236,7 +242,6 @@ fn interleaved_sparse_and_quantized_accessors() {
         let bytes = custom(accessor, views, point, "", buffer);
         import_bytes("a.glb", &bytes, WHOLE).map(|imported| imported.point_sets[0].positions.clone())
     };
-    // Interleaved, with an offset.
     let floats: Vec<u8> = [9.0_f32, 1.0, 2.0, 3.0, 9.0, 4.0, 5.0, 6.0].iter().flat_map(|x| x.to_le_bytes()).collect();
     let view = r#"{"buffer":0,"byteLength":32,"byteStride":16}"#;
     let accessor = r#"{"bufferView":0,"byteOffset":4,"componentType":5126,"type":"VEC3","count":2}"#;
@@ -284,7 +289,6 @@ fn primitives_of_every_mode() {
         let left_out = if mode == 4 { 2 } else { 0 };
         assert_eq!(imported.unreferenced_count, left_out, "{mode}");
     }
-    // Two primitives that share positions share vertices.
     let twice = r#"{"attributes":{"POSITION":0}},{"attributes":{"POSITION":0},"mode":1}"#;
     let imported = import_bytes("a.glb", &custom(accessor, view, twice, "", &floats), WHOLE).unwrap();
     assert_eq!(imported.vertex_count, 5);
@@ -514,7 +518,6 @@ fn ply_surplus_is_skipped_with_a_note() {
         read(&file("ascii", "", "0 0 0\n1 0 0 5\n0 1 0\n3 0 1 2\n3 2 1 0")),
         ["line 11: 1 line has more values than the header declares, which are ignored"]
     );
-    // Several instances in a line, and instances that continue on the next one.
     for body in [
         "0 0 0 1 0 0 0 1 0\n3 0 1 2\n3 2 1 0",
         "0 0\n0 1 0 0 0 1 0 3 0 1 2 3 2\n1 0",
@@ -530,7 +533,8 @@ fn ply_surplus_is_skipped_with_a_note() {
     fault(&file("ascii", "element a\n", plain), "a.ply:3: found `element a`; expected");
 }
 
-/// Face indices were compared with the length of the first list, but used with the last one.
+/// Regression: face indices were compared with the length of the first list, but used with the last
+/// one.
 #[test]
 fn two_vertex_elements_are_rejected() {
     let list = |count: usize| format!("element vertex {count}\nproperty float x\nproperty float y\nproperty float z\n");
@@ -543,7 +547,6 @@ fn two_vertex_elements_are_rejected() {
     }
 }
 
-/// A damaged file imports with finite points, or fails with an error. Nothing panics.
 #[test]
 fn damaged_files_import_or_fail_with_an_error() {
     const SEED: u64 = 23;
@@ -588,7 +591,6 @@ fn damaged_files_import_or_fail_with_an_error() {
     assert!(read_count > 500 && rejected_count > 1000, "only {read_count} read and {rejected_count} rejected");
 }
 
-/// Convex meshes keep their vertices in every format, and as collision parts.
 #[test]
 fn convex_meshes_keep_their_vertices() {
     let ball: Vec<[f32; 3]> = Family::Sphere.points(200, 3);
@@ -618,7 +620,6 @@ fn auto_selects_collision_parts() {
     let imported = import_bytes("a.glb", &bytes, auto).unwrap();
     assert_eq!(names(&imported), ["Crate-convcolonly", "UCX_Crate_01"]);
     assert!(imported.notes.iter().any(|note| note.contains("left out: 1")), "{:?}", imported.notes);
-    // Both parts stand for the crate, which is the same mesh.
     let crates: Vec<_> = imported.point_sets.iter().map(|set| set.stands_for.clone().unwrap()).collect();
     assert!(Arc::ptr_eq(&crates[0], &crates[1]) && crates[0].name == "Crate");
     assert_eq!(crates[0].triangles, imported.faces[0].triangles(&imported.point_sets[0].positions));

@@ -22,7 +22,6 @@ const ACCESSORS: &str = r#"{"bufferView":0,"componentType":5126,"type":"VEC3","c
 const VIEWS: &str = r#"{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":6}"#;
 const BUFFERS: &str = r#"{"byteLength":44}"#;
 
-/// Parts of a document that the tests vary.
 struct Parts<'a> {
     /// Members besides those below, each followed by a comma.
     extra: &'a str,
@@ -42,7 +41,6 @@ impl Parts<'_> {
         )
     }
 
-    /// A GLB file with `buffer` as its BIN chunk.
     fn glb(&self, buffer: &[u8]) -> Result<Imported, ImportError> {
         import_bytes("a.glb", gltf::glb(self.json().as_bytes(), buffer))
     }
@@ -143,7 +141,6 @@ fn integers_may_be_written_as_floats() {
     let expected = import_bytes("a.gltf", json.clone().into_bytes()).unwrap();
     let mut floats = String::new();
     for (at, piece) in json.split('"').enumerate() {
-        // Every second piece is a string.
         let is_text = at % 2 == 1;
         let quote = if at == 0 { "" } else { "\"" };
         floats += quote;
@@ -173,7 +170,6 @@ fn buffers_without_positions_or_indices_may_be_missing() {
     assert_eq!(triangles(&parts.glb(&triangle()).unwrap()), [[0, 1, 2]]);
     assert!(crate::gltf::buffer_paths(parts.json().as_bytes()).unwrap().is_empty());
 
-    // The positions of a mesh outside the scene are not required either.
     let extra = r#""nodes":[{"mesh":0},{"mesh":1}],"scenes":[{"nodes":[0]}],"#;
     let primitive = format!(r#"{PRIMITIVE}]}},{{"primitives":[{{"attributes":{{"POSITION":2}}}}"#);
     let parts = Parts { extra, primitive: &primitive, ..parts };
@@ -253,7 +249,6 @@ fn the_restart_index_is_rejected_where_it_is_a_vertex_too() {
         let extra = format!(r#""extensionsUsed":["{name}"],"extensionsRequired":["{name}"],"#);
         assert_eq!(triangles(&strip(5, &indices, 256, &extra).unwrap()), [[0, 1, 2], [3, 4, 5]]);
     }
-    // A list has nothing to restart.
     assert_eq!(strip(0, &indices, 256, "").unwrap().point_count(), 7);
 }
 

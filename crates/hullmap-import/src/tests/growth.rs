@@ -1,18 +1,15 @@
 //! Growth of the import's time with each count in a file.
 //!
-//! Two tests share the cases:
-//! - Large files: a file of n items is imported 8 times, and a file of 8 n items once. Linear work
-//!   takes the same time for both, quadratic work 8 times as long for the second. The bound lies
-//!   between the two, since a file of 8 n items does not fit into the processor's caches.
-//! - Small files, which fit: files of m, 2 m, 4 m and 8 m items are imported 8, 4, 2 and 1 times as
-//!   often. The exponent of the time in the number of items is the slope of a line through the
-//!   logarithms.
+//! - Large files: n items are imported 8 times, and 8 n items once. Linear work takes equal times,
+//!   quadratic work 8 times as long for the second, and the bound lies between, since the second
+//!   does not fit into the processor's caches.
+//! - Small files, which fit: m, 2 m, 4 m and 8 m items are imported 8, 4, 2 and 1 times as often.
+//!   The exponent is the slope of a line through the logarithms.
 //!
 //! A test fails only if all of several attempts exceed the bound, and each attempt keeps the
-//! shortest times so far. On Linux this is processor time. Other processes still disturb it,
-//! because they take their part of the caches: the test of large files, which runs on every change,
-//! only distinguishes linear from quadratic work. The test of small files is stricter, and is run
-//! on a quiet machine.
+//! shortest times so far, of the processor on Linux. Other processes take their part of the caches:
+//! the test of large files, which runs on every change, only distinguishes linear from quadratic
+//! work. The stricter one runs on a quiet machine.
 
 use std::path::Path;
 
@@ -24,10 +21,8 @@ use hullmap_outside::clock::thread_time;
 use super::super::*;
 use crate::options::Split;
 
-/// Factor between the two sizes.
 const FACTOR: usize = 8;
 
-/// Maximum ratio of the two times.
 const MAX_RATIO: f64 = 4.0;
 
 /// Divisor of the number of items for the largest of the small files.
@@ -46,7 +41,6 @@ const OBJECTS: ImportOptions = ImportOptions { split: Split::Object, ..ImportOpt
 struct Case {
     name: &'static str,
     file: &'static str,
-    /// Number of items in the smaller of the large files.
     count: usize,
     source: fn(usize) -> SourceFile,
     expected: Expected,
@@ -77,7 +71,6 @@ fn pieces(count: usize, piece: &str) -> String {
     text
 }
 
-/// [`pieces`], separated by commas.
 fn list(count: usize, piece: &str) -> String {
     pieces(count, &format!("{piece},")).trim_end_matches(',').to_owned()
 }
@@ -92,7 +85,6 @@ const POINT: &str = r#""accessors":[{"componentType":5126,"type":"VEC3","count":
 
 const MESH: &str = r#""meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":0}]}]"#;
 
-/// `count` copies of a buffer, each with a point of its own.
 fn buffers(count: usize, buffer: &str) -> SourceFile {
     let views = list(count, r##"{"buffer":#,"byteLength":12}"##);
     let accessors = list(count, r##"{"bufferView":#,"componentType":5126,"type":"VEC3","count":1}"##);
@@ -103,7 +95,6 @@ fn buffers(count: usize, buffer: &str) -> SourceFile {
     ))
 }
 
-/// glTF text of `count` vertices, or at most 100 for strips, and `count` indices in a primitive.
 fn indexed(mode: u32, count: usize, index: fn(usize) -> u16) -> SourceFile {
     let vertex_count = if mode == 4 { count } else { 100 };
     let mut bytes: Vec<u8> = (0..3 * vertex_count).flat_map(|x| (x as f32).to_le_bytes()).collect();
@@ -118,7 +109,6 @@ fn indexed(mode: u32, count: usize, index: fn(usize) -> u16) -> SourceFile {
     source
 }
 
-/// glTF text of `count` points, all of them sparse replacements.
 fn sparse(count: usize) -> SourceFile {
     let mut bytes: Vec<u8> = (0..count as u32).flat_map(u32::to_le_bytes).collect();
     let start = bytes.len();
@@ -132,7 +122,6 @@ fn sparse(count: usize) -> SourceFile {
     source
 }
 
-/// PLY file of `vertex_count` vertices at the origin, and `count` lists in another element.
 fn ply(format: &str, vertex_count: usize, element: &str, count: usize, body: &str) -> SourceFile {
     let vertex = if format.starts_with("binary") { "\0".repeat(12) } else { "0 0 0\n".to_owned() };
     text(format!(
@@ -151,7 +140,6 @@ fn distinct_buffers(count: usize) -> SourceFile {
     source
 }
 
-/// `count` nodes that all show one mesh of `count` primitives without elements.
 fn empty_primitives(count: usize) -> SourceFile {
     document(&format!(
         r#"{POINT},"nodes":[{}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"mode":0}},{}]}}]"#,
@@ -160,7 +148,6 @@ fn empty_primitives(count: usize) -> SourceFile {
     ))
 }
 
-/// `count` nodes that all take the name of one mesh, of `count` letters.
 fn long_mesh_name(count: usize) -> SourceFile {
     let name = "n".repeat(count);
     document(&format!(
@@ -409,7 +396,6 @@ fn the_exponent_of_every_count_is_1() {
             let result = import(case.file, "shape", Path::new(case.file), file, &OBJECTS, &Limits::DEFAULT);
             assert_eq!(result.is_ok(), case.expected == Works, "{}: {result:?}", case.name);
         }
-        // As many imports as the clock can measure.
         let mut repetitions = SMALL * FACTOR;
         while time(&case, &files[FACTORS.len() - 1], repetitions) < CLOCK_STEPS && repetitions < 1 << 12 {
             repetitions *= 2;
@@ -458,7 +444,6 @@ fn no_import_grows_quadratically() {
     assert!(failed.is_empty(), "{}", failed.join("\n"));
 }
 
-/// Repetition by primitives or names counts towards the limit of the user.
 #[test]
 fn repeated_primitives_and_names_reach_the_limit() {
     for (source, count) in [(empty_primitives as fn(usize) -> SourceFile, 4096), (long_mesh_name, 4096)] {

@@ -1,8 +1,6 @@
-//! Files that are large, or claim to be: they import or fail with a clear error, within the
-//! documented memory.
-//!
-//! Each file is imported in a process of its own. The memory is the peak resident size, not
-//! counting what was resident before the file was loaded.
+//! Large files, or files that claim to be: they import or fail with a clear error, within the
+//! documented memory. Each is imported in a process of its own, whose peak resident size counts,
+//! without what was resident before the file was loaded.
 
 use std::path::Path;
 
@@ -15,8 +13,7 @@ use super::super::limits::{GLTF_LIST, MEMORY_BASE, MEMORY_FACTOR};
 use super::super::*;
 use crate::options::Split;
 
-/// Size of the large files in bytes: two parts of an OBJ file, and several times the memory that an
-/// import takes whatever the size.
+/// Two parts of an OBJ file, and several times the constant memory of an import.
 const SIZE: usize = 8 << 20;
 
 /// Environment variable with the index of the file that the child process imports.
@@ -50,7 +47,6 @@ fn repeated(start: &str, piece: &str, end: &str) -> Vec<u8> {
     text
 }
 
-/// Lines made from ascending numbers, so that all vertices differ.
 fn counted(line: fn(usize, &mut String)) -> Vec<u8> {
     let mut text = String::with_capacity(SIZE + 1000);
     let mut index = 0;
@@ -61,13 +57,11 @@ fn counted(line: fn(usize, &mut String)) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// GLB file of a mesh of 2,000 vertices, with these nodes.
 fn scene(nodes: &str, roots: &str) -> Vec<u8> {
     let mesh = shapes::solids::extrusion(&shapes::solids::regular_polygon(1000, 1.0), 0.0, 1.0);
     gltf::parts(&[("mesh", &mesh)], nodes, roots).glb()
 }
 
-/// The text of a COLLADA file before and after its positions, with these primitives.
 fn dae(primitives: &str, end: &str) -> (String, String) {
     let start = "<COLLADA><library_geometries><geometry><mesh><source id=\"s\"><float_array>";
     let rest = "</float_array></source><vertices><input semantic=\"POSITION\" source=\"#s\"/></vertices>";
@@ -440,7 +434,6 @@ fn one_file() {
     assert!(peak <= MEMORY_FACTOR * length + base, "{peak} bytes for {length}");
 }
 
-/// A value from the status of this process, in bytes.
 fn status(key: &str) -> u64 {
     let text = std::fs::read_to_string("/proc/self/status").unwrap();
     let line = text.lines().find_map(|line| line.strip_prefix(key)).unwrap();

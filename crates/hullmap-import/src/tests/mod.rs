@@ -25,7 +25,6 @@ const OBJECTS: ImportOptions =
 const OBJECTS_ALL: ImportOptions =
     ImportOptions { split: Split::Object, vertices: Vertices::All, ..ImportOptions::DEFAULT };
 
-/// Four corners of a square; tests add elements.
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 fn import_obj(file: &str, stem: &str, bytes: &[u8], options: ImportOptions) -> Result<Imported, ImportError> {
@@ -37,7 +36,6 @@ fn import(text: impl AsRef<[u8]>, options: ImportOptions) -> Imported {
     import_obj("shape.obj", "shape", text.as_ref(), options).unwrap()
 }
 
-/// Vertex indices of the only point set.
 fn vertices(text: impl AsRef<[u8]>) -> Vec<u32> {
     let imported = import(text, WHOLE);
     assert_eq!(imported.point_sets.len(), 1);
@@ -57,7 +55,6 @@ fn square_with(lines: &str) -> String {
     format!("{SQUARE}{lines}")
 }
 
-/// Name and vertex indices of each set.
 fn outline(imported: &Imported) -> Vec<(&str, &[u32])> {
     imported.point_sets.iter().map(|set| (set.name.as_str(), set.source_vertices.as_slice())).collect()
 }
@@ -300,7 +297,6 @@ fn objects_become_point_sets() {
     assert_eq!(imported.point_sets[1].positions, [[1.0, 0.0, 0.0], [5.0, 0.0, 0.0], [5.0, 1.0, 0.0]]);
     assert_eq!(imported.unreferenced_count, 1);
     assert!(imported.notes.iter().any(|note| note.contains("skipped: 1 (empty)")), "{:?}", imported.notes);
-    // The same file without a split.
     assert_eq!(vertices(TWO), [0, 1, 2, 4, 5]);
 }
 
@@ -403,7 +399,6 @@ fn damaged_files_import_or_fail_with_an_error_of_their_line() {
     assert!((1000..3500).contains(&imported_count), "{imported_count} of 4000 imported");
 }
 
-/// Value of `key=` in the features of the manifest.
 fn feature(features: &str, key: &str) -> usize {
     let value = features.split_whitespace().find_map(|word| word.strip_prefix(key)?.strip_prefix('='));
     value.map_or(0, |number| number.parse().unwrap())

@@ -15,7 +15,6 @@ fn import_text(text: &str, split: Split) -> Result<Imported, ImportError> {
     import("a.gltf", "shape", Path::new("a.gltf"), &source, &options, &Limits::DEFAULT)
 }
 
-/// Text of a file with a ring (mesh 0) and a prism (mesh 1), with these nodes, roots, and members.
 fn file(nodes: &str, roots: &str, members: &str) -> String {
     let ring = extrusion(&regular_polygon(12, 2.0), 0.0, 1.0);
     let prism = extrusion(&regular_polygon(5, 1.0), -0.5, 0.5);
@@ -27,7 +26,6 @@ fn names(imported: &Imported) -> Vec<&str> {
     imported.point_sets.iter().map(|set| set.name.as_str()).collect()
 }
 
-/// Bounds of a part.
 fn bounds(imported: &Imported, index: usize) -> [[f32; 3]; 2] {
     let points = &imported.point_sets[index].positions;
     let pick =
@@ -75,7 +73,6 @@ fn omi_colliders_are_parts() {
     }
 }
 
-/// Both drafts, a node outside the scene, one with nodes below it, and shapes that are scaled.
 #[test]
 fn khr_colliders_are_parts() {
     let shapes = r#""extensions":{"KHR_implicit_shapes":{"shapes":[{"type":"sphere","sphere":{"radius":2}},{"type":"cylinder","cylinder":{"height":4,"radiusTop":0,"radiusBottom":1}},{"type":"box"},{"type":"capsule","capsule":{"height":2,"radiusTop":0.5,"radiusBottom":1}},{"type":"plane","plane":{"sizeX":2,"sizeZ":3}},{"type":"plane"}]}},"extensionsRequired":["KHR_implicit_shapes","KHR_physics_rigid_bodies"],"#;
@@ -149,7 +146,6 @@ fn colliders_of_triangles_have_a_warning() {
     assert!(imported.warnings[0].contains("2 colliders are of triangles (the first is t)"), "{:?}", imported.warnings);
 }
 
-/// An extension in a form that is not known matters only where colliders are read.
 #[test]
 fn faulty_extensions_are_rejected_only_if_they_are_read() {
     let cyclic = format!(r#"{{"name":"a",{}}},{{"children":[2]}},{{"children":[1]}}"#, khr(r#"{"node":1}"#));
@@ -171,7 +167,6 @@ fn faulty_extensions_are_rejected_only_if_they_are_read() {
     }
 }
 
-/// Many colliders may refer to one mesh or to one tree.
 #[test]
 fn colliders_count_against_the_limit_on_repetition() {
     let node = format!("{{{}}}", khr(r#"{"mesh":1}"#));

@@ -10,11 +10,9 @@ use super::parry::shape::SharedShape;
 
 /// A baked hull as a parry shape.
 ///
-/// It keeps its pack alive. Clones share the pack. Use it directly, or as a `SharedShape` by
-/// `into()`.
-///
-/// Points, directions and lengths are in the local frame of the shape: the hull's, multiplied by
-/// the [`scale`](Self::scale).
+/// It keeps its pack alive, which clones share. Use it directly, or as a `SharedShape` by `into()`.
+/// Points, directions and lengths are in the local frame: the hull's, multiplied by the
+/// [`scale`](Self::scale).
 ///
 /// # Examples
 /// ```
@@ -71,7 +69,6 @@ pub(super) enum Form {
     Scaled(Scaled<SharedHull>),
 }
 
-/// Evaluates `$answer` with `$shape` bound to the form of `$hull`.
 macro_rules! on_form {
     ($hull:expr, $shape:ident => $answer:expr) => {
         match $hull.form() {
@@ -84,26 +81,19 @@ pub(super) use on_form;
 
 impl BakedHull {
     /// The shape of `hull`.
-    ///
-    /// # Complexity
-    /// O(1).
     pub fn new(hull: SharedHull) -> Self {
         Self { form: Form::Plain(hull), part_mass: PartMass::Hull }
     }
 
-    /// This shape, scaled along the axes of its frame in addition to its present scale.
-    /// Dimensionless; a negative scale mirrors the shape.
+    /// This shape, scaled along the axes of its frame in addition to its present scale. A negative
+    /// scale mirrors it. O(1): a scaled hull uses the index of the original.
     ///
     /// # Errors
     /// [`ShapeError::Scale`] if a resulting scale is NaN, zero, or too small or large for f32.
-    ///
-    /// # Complexity
-    /// O(1): a scaled hull uses the index of the original.
     pub fn scaled(&self, scale: Vector) -> Result<Self, ShapeError> {
         self.scaled_by(wide(scale) * self.scale_factors())
     }
 
-    /// The hull with this scale in place of its present one.
     pub(super) fn scaled_by(&self, scale: DVec3) -> Result<Self, ShapeError> {
         let form = if scale == DVec3::ONE {
             Form::Plain(self.shared_hull().clone())
@@ -113,8 +103,7 @@ impl BakedHull {
         Ok(Self { form, part_mass: self.part_mass })
     }
 
-    /// Which mass the shape has. In the compound of all parts of a mesh, the first part has the
-    /// mass of the mesh, and the others have none: see [`union`](super::union).
+    /// Which mass the shape has. A mesh in several parts has one: see [`union`](super::union).
     pub fn part_mass(&self) -> PartMass {
         self.part_mass
     }
@@ -153,15 +142,12 @@ impl BakedHull {
         &self.form
     }
 
-    /// The face whose normal is closest to `dir`; `None` below rank 2.
-    ///
-    /// The normals of a scaled hull are the original normals, divided by the scale. So the
-    /// direction is multiplied by the scale.
+    /// The face whose normal is closest to `dir`; `None` below rank 2. The normals of a scaled hull
+    /// are the original ones divided by the scale, so the direction is multiplied by it.
     pub(super) fn face_towards(&self, dir: DVec3) -> Option<u32> {
         self.hull().face_towards(dir * self.scale_factors())
     }
 
-    /// Unit outward normal of face `face`.
     pub(super) fn face_normal(&self, face: u32) -> Option<DVec3> {
         let normal = self.hull().face_normal(face)? / self.scale_factors();
         normal.try_normalize()

@@ -8,12 +8,10 @@ use super::convert::{narrow, real, wide};
 use super::parry::bounding_volume::{Aabb, BoundingSphere};
 use super::parry::math::{Pose, Real};
 
-/// Relative margin of the box in a pose, for the rounding errors of f32: a box that is smaller than
-/// the shape would lose contacts.
+/// Relative margin of the box in a pose, for rounding in f32: a smaller box would lose contacts.
 const MARGIN: f64 = 1e-6;
 
 impl BakedHull {
-    /// The tight box in the local frame, O(1).
     pub(super) fn local_box(&self) -> Aabb {
         let [a, b] = self.hull().bounds().map(|bound| bound.as_dvec3() * self.scale_factors());
         Aabb::new(narrow(a.min(b)), narrow(a.max(b)))

@@ -19,7 +19,6 @@ pub(super) fn narrow(v: DVec3) -> Vector {
     Vector::new(v.x as Real, v.y as Real, v.z as Real)
 }
 
-/// A number in parry's precision, rounded.
 #[inline]
 pub(super) fn real(x: f64) -> Real {
     x as Real
@@ -37,7 +36,6 @@ pub(super) fn wide_pose(pose: &Pose) -> Option<hullmap::Pose> {
     hullmap::Pose::new(wide(pose.translation), rotation).ok()
 }
 
-/// A pose in parry's precision, rounded.
 pub(super) fn narrow_pose(pose: &hullmap::Pose) -> Pose {
     let rotation = Rotation::from_array(pose.rotation().to_array().map(real));
     Pose::from_parts(narrow(pose.translation()), rotation)

@@ -10,8 +10,7 @@ use super::convert::{narrow, real};
 use super::parry::mass_properties::MassProperties;
 use super::parry::math::{Matrix, Vector};
 
-/// Gives the parts of each complete object the mass of its mesh, if the pack records it. The parts
-/// of an object follow one another.
+/// Gives the parts of an object, which follow one another, the mass of its mesh, if recorded.
 pub(super) fn share_masses(hulls: &mut [BakedHull]) {
     let mut rest = hulls;
     while let Some(first) = rest.first() {

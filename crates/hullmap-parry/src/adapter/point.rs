@@ -19,8 +19,8 @@ impl PointQuery for BakedHull {
         self.surface(point).map_or(PointProjection::new(false, point), |found| projection(&found))
     }
 
-    /// The feature is the face whose normal is closest to the normal of the projection. Where the
-    /// point projects to an edge or a vertex, this face need not contain the projection.
+    /// The feature is the face whose normal is closest to the projection's. At an edge or a vertex,
+    /// it need not contain the projection.
     fn project_local_point_and_get_feature(&self, point: Vector) -> (PointProjection, FeatureId) {
         let Some(found) = self.surface(point) else {
             return (PointProjection::new(false, point), FeatureId::Unknown);

@@ -9,9 +9,8 @@ use super::BakedHull;
 use super::convert::narrow;
 use super::parry::shape::{PackedFeatureId, PolygonalFeature};
 
-/// Heights that differ by less than this fraction of the outer radius count as equal. Of 696
-/// bodies, 650 sleep after 10 s. With twice the fraction, 654 sleep, but 3 gain energy; with a
-/// tenth of it, 641 sleep.
+/// Fraction of the outer radius up to which heights are equal. Among 696 bodies, 650 sleep after 10
+/// s. With twice the fraction, 654 sleep, but 3 gain energy; with a tenth of it, 641 sleep.
 const SLIGHT: f64 = 2e-3;
 
 /// Prediction of Rapier, for a length unit of 1 m. parry does not pass on the real one. It decides
@@ -21,12 +20,10 @@ const PREDICTION: f64 = 0.02;
 /// Bits that parry leaves for the index of a vertex, edge or face.
 const CODE: u32 = 0x3fff_ffff;
 
-/// The side of a hull that faces a direction.
 pub(super) struct Outline<'h> {
     hull: &'h BakedHull,
     /// The direction, of unit length.
     normal: DVec3,
-    /// Perpendicular to it.
     axes: [DVec3; 2],
 }
 
@@ -55,18 +52,15 @@ impl<'h> Outline<'h> {
         self.projected(self.hull.interior_point())
     }
 
-    /// The four corners that support the hull best.
     pub(super) fn four(&self, feature: &Feature) -> Choice {
         let (spots, slight) = (self.spots(feature), SLIGHT * self.hull.outer_radius());
         choose(spots.get(..feature.corners().len()).unwrap_or_default(), self.center(), slight, None)
     }
 
-    /// Whether the hull's centre is over the chosen corners.
     pub(super) fn is_stable(&self, feature: &Feature, four: &Choice) -> bool {
         four.is_below(&self.spots(feature), self.center())
     }
 
-    /// Adds vertices that are farther out.
     pub(super) fn widen(&self, feature: &mut Feature) {
         #[expect(clippy::manual_clamp, reason = "NaN becomes the lower end")]
         let tilt = (PREDICTION / self.hull.outer_radius()).max(TILT).min(1.0);
@@ -107,8 +101,7 @@ pub(super) fn vertex_id(vertex: u32) -> PackedFeatureId {
     PackedFeatureId::vertex(vertex & CODE)
 }
 
-/// Id of the edge between two vertices, the same in both directions. Two edges may share an id, but
-/// two edges of one face hardly ever do.
+/// Equal for both directions. Two edges may share an id, but two edges of one face rarely do.
 pub(super) fn edge_id(a: u32, b: u32) -> PackedFeatureId {
     let (low, high) = (a.min(b), a.max(b));
     PackedFeatureId::edge((low.wrapping_mul(0x9e37_79b1).rotate_left(13) ^ high) & CODE)
@@ -125,7 +118,6 @@ mod tests {
     use super::super::parry::shape::PolygonalFeatureMap;
     use super::*;
 
-    /// The feature of a prism of `n` sides and radius 1 towards its upper cap.
     fn cap(n: usize) -> (BakedHull, PolygonalFeature) {
         let corner = |i: usize, z: f32| {
             let angle = (i as f64 / n as f64 * std::f64::consts::TAU) as f32;

@@ -9,11 +9,9 @@ use super::parry::math::Real;
 use super::parry::query::{Ray, RayCast, RayIntersection};
 use super::parry::shape::FeatureId;
 
-/// Where a ray meets the surface.
 struct Meeting {
     time: f64,
-    /// Unit vector: outward where the ray enters the hull, inward where a ray from inside leaves
-    /// it.
+    /// Outward where the ray enters the hull, inward where a ray from inside leaves it.
     normal: DVec3,
     /// Outward normal of the surface.
     outward: DVec3,
@@ -24,10 +22,8 @@ impl RayCast for BakedHull {
         Some(real(self.meet(ray, max_time_of_impact, solid)?.time))
     }
 
-    /// The feature is the face that the ray hits.
-    ///
-    /// If the ray starts inside and `solid` is set, the time is 0, and the normal is opposite to
-    /// the direction. Without `solid`, the ray hits the surface from inside, and the normal points
+    /// The feature is the hit face. From inside, a `solid` hull is hit at time 0 with a normal
+    /// opposite to the direction; otherwise, the ray hits the surface, and the normal points
     /// inward.
     fn cast_local_ray_and_get_normal(
         &self,

@@ -15,9 +15,8 @@ use super::baked_hull::{BakedHull, PartMass};
 use super::parry::math::Pose;
 use super::parry::shape::{Compound, SharedShape};
 
-/// The packs of an application, by name: saved shapes find their packs through it.
-///
-/// `BTreeMap` and `HashMap` from names to packs implement it. Implement it for your asset store.
+/// The packs of an application, by name, for saved shapes. `BTreeMap` and `HashMap` from names to
+/// packs implement it. Implement it for your asset store.
 pub trait Packs {
     /// Name of a pack, for saving; `None` if it is unknown.
     fn name(&self, pack: &Arc<Pack>) -> Option<String>;
@@ -51,9 +50,7 @@ fn name_in<'a>(all: impl Iterator<Item = (&'a String, &'a Arc<Pack>)>, pack: &Ar
     all.filter(|(_, candidate)| Arc::ptr_eq(candidate, pack)).map(|(name, _)| name).min().cloned()
 }
 
-/// A baked hull in a saved file.
-///
-/// It refers to the hull, and does not contain it. If the pack is baked again, the hull is found by
+/// A reference to a baked hull in a saved file. If the pack is baked again, the hull is found by
 /// its name and part.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SavedHull {
@@ -86,26 +83,14 @@ pub enum SavedShape {
 /// Why a shape cannot be saved or loaded.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages explain the fields")]
 pub enum SavedShapeError {
     /// The pack of a hull is not in [`Packs`].
-    UnknownPack {
-        /// Name of the hull.
-        hull: String,
-    },
+    UnknownPack { hull: String },
     /// [`Packs`] has no pack of this name.
-    NoSuchPack {
-        /// Name in the file.
-        pack: String,
-    },
+    NoSuchPack { pack: String },
     /// The pack has no hull with this name and part: it was baked from another source.
-    NoSuchHull {
-        /// Name of the pack.
-        pack: String,
-        /// Name of the hull in the file.
-        hull: String,
-        /// Its part.
-        part: u32,
-    },
+    NoSuchHull { pack: String, hull: String, part: u32 },
     /// The scale in the file is invalid.
     Scale(ShapeError),
     /// A compound in the file has no parts.
@@ -236,13 +221,6 @@ impl SavedHull {
 }
 
 /// Whether `shape` needs a [`SavedShape`]: it is a [`BakedHull`], or a compound that contains one.
-///
-/// # Examples
-/// ```
-/// use parry3d::shape::SharedShape;
-///
-/// assert!(!hullmap_parry::is_custom(&SharedShape::ball(1.0)));
-/// ```
 pub fn is_custom(shape: &SharedShape) -> bool {
     shape.as_shape::<BakedHull>().is_some()
         || shape.as_compound().is_some_and(|compound| compound.shapes().iter().any(|(_, part)| is_custom(part)))

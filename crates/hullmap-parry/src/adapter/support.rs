@@ -6,21 +6,20 @@
 //!   corners are near enough. Otherwise, the closest face at any angle.
 //! - parry's own narrow phase does not pass its prediction. It gets the closest face at any angle,
 //!   merged with faces within 2.3° of it, and reduced to the four corners that support the body
-//!   best. If the body's centre is not over them, so that it tips, vertices farther out are
-//!   considered as well.
+//!   best. If the body's centre is not over them, vertices farther out are considered as well.
 //!
 //! Points that are too far apart are dropped after clipping, so a face at any angle does no harm.
-//! Without the face, a body that lands on a rim has contact points on that rim only. It tips beyond
-//! the other rim within one step, and sinks into the floor while it rocks. Faces are merged because
-//! in f32 the flat caps of real meshes break into slivers.
+//! Without it, a body that lands on a rim has contact points there only, tips beyond the other rim
+//! within one step, and sinks while it rocks. Faces are merged because in f32 the flat caps of real
+//! meshes break into slivers.
 //!
 //! # What did not work
 //! - The larger of this face and the faces merged around the direction: 176 of 2,448 bodies awake
 //!   instead of 197, within the spread of the runs, and 50 % more time while bodies of 8,192
 //!   vertices fall.
 //! - The closest face only if the merged feature has fewer than three corners: for a disc that
-//!   stands on its rim, the feature is the rim, which has many corners. Of 102 bodies of 0.1 m, 20
-//!   sank into the floor.
+//!   stands on its rim, the feature is the rim, which has many corners. Among 102 bodies of 0.1 m,
+//!   20 sank into the floor.
 //! - All vertices within the prediction of the support plane: then the best four points do not
 //!   touch, and most bodies rock for ever.
 

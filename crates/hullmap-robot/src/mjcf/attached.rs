@@ -1,7 +1,5 @@
-//! Models that a model attaches: the files that they need.
-//!
-//! MuJoCo reads an attached model by itself: its names start from its own folder, by its own
-//! `compiler`. Its collisions are left alone here.
+//! Models that a model attaches: the files that they need. MuJoCo reads an attached model by
+//! itself, from its own folder by its own `compiler`. Its collisions are left alone.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -10,12 +8,10 @@ use crate::description::{Description, Reference};
 use crate::error::RobotError;
 use crate::places::plain;
 
-/// Maximum number of attached models.
 const MAX_MODELS: usize = 1000;
 
-/// Adds the files that attached models name, and the models that they attach in turn. `read`
-/// returns a model, and the files of the models that it attaches. A model that cannot be read is a
-/// warning.
+/// Adds files of attached models, and of the models that they attach in turn. `read` returns a
+/// model and the files of its attached models. A model that cannot be read is a warning.
 pub fn add_references(
     description: &mut Description,
     mut waiting: Vec<Reference>,
@@ -37,7 +33,7 @@ pub fn add_references(
             }
         };
         let below = model.path.parent().unwrap_or(Path::new(""));
-        // Whether the edited model still names them is not known, so nothing is searched.
+        // The edited model may or may not still name them: nothing is searched.
         let moved = |own: Reference| Reference { path: plain(&below.join(&own.path)), written: String::new(), ..own };
         found.extend(own.references.into_iter().map(moved));
         waiting.extend(attached.into_iter().map(moved));

@@ -4,22 +4,17 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::tree::{Element, Tree};
 
-/// Attributes of a class, by kind of element.
 type Attributes = BTreeMap<(&'static str, String), String>;
 
-/// The kinds of elements whose defaults matter here.
 const KINDS: [&str; 3] = ["geom", "mesh", "joint"];
 
-/// All classes of a model, each with what it inherits.
 #[derive(Debug, Default)]
 pub struct Classes {
-    /// The class of elements without one.
     root: Attributes,
     named: HashMap<String, Attributes>,
 }
 
 impl Classes {
-    /// Reads the classes of a model.
     pub fn read(tree: &Tree) -> Self {
         let mut classes = Self::default();
         let sections = tree.children(tree.root()).into_iter().filter(|section| section.name() == "default");
@@ -48,13 +43,12 @@ impl Classes {
         }
     }
 
-    /// Whether a class exists.
     pub fn has(&self, name: &str) -> bool {
         name == "main" || self.named.contains_key(name)
     }
 
-    /// The attribute of an element, or of its class: the class that it states, or the class of the
-    /// nearest body or frame with `childclass`.
+    /// The attribute, from the class that the element states, or of the nearest body or frame with
+    /// `childclass`.
     pub fn get<'b>(&'b self, element: &'b Element, childclass: Option<&str>, name: &str) -> Option<&'b str> {
         if let Some(own) = element.node.attribute(name) {
             return Some(own);
@@ -66,7 +60,6 @@ impl Classes {
     }
 }
 
-/// Adds what a `default` states itself.
 fn update(attributes: &mut Attributes, tree: &Tree, class: Element) {
     for child in tree.children(class) {
         if let Some(kind) = KINDS.into_iter().find(|kind| *kind == child.name()) {

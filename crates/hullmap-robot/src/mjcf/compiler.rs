@@ -22,7 +22,6 @@ use roxmltree::Node;
 use super::pose::Angles;
 use crate::places::{Name, Places};
 
-/// A folder of assets, and the attribute that states it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Folder<'a> {
     /// Relative to the folder of the model.
@@ -54,30 +53,24 @@ pub struct Compiler<'a> {
     stated: BTreeMap<&'a str, &'a str>,
     /// Opened folders of meshes and of textures.
     opened: [Folder<'a>; 2],
-    /// The last `meshdir`, `texturedir` and `assetdir`.
     last: [Folder<'a>; 3],
 }
 
-/// Where a file is looked for.
 #[derive(Clone, Debug)]
 pub struct Start<'n> {
-    /// The folder from which the name starts.
     pub folder: PathBuf,
     /// The name, without its folders if MuJoCo removes them.
     pub name: &'n str,
-    /// The attribute that states the folder.
     pub stated_by: String,
 }
 
 impl Start<'_> {
-    /// The name and its folder.
     pub fn name(&self) -> Name<'_> {
         Name { stated_by: &self.stated_by, ..Name::of_mesh(self.name, &self.folder) }
     }
 }
 
 impl<'a> Compiler<'a> {
-    /// The settings that these elements state, in the order of the model.
     pub fn new(compilers: impl Iterator<Item = Node<'a, 'a>>) -> Self {
         let mut all = Self::default();
         for compiler in compilers {
@@ -93,24 +86,20 @@ impl<'a> Compiler<'a> {
         all
     }
 
-    /// Whether a setting has this value.
     pub fn is(&self, key: &str, value: &str) -> bool {
         self.stated.get(key) == Some(&value)
     }
 
-    /// Whether folders are removed from names.
     pub fn strips(&self) -> bool {
         self.is("strippath", "true")
     }
 
-    /// How angles are stated.
     pub fn angles(&self) -> Angles<'a> {
         let sequence = self.stated.get("eulerseq").copied().unwrap_or("xyz");
         Angles { are_degrees: !self.is("angle", "radian"), sequence }
     }
 
-    /// The folder from which names of files of these elements start; `None` if it is the folder of
-    /// the model.
+    /// The folder from which file names of these elements start, unless it is the model's.
     pub fn opened(&self, element: &str) -> Option<Folder<'a>> {
         match element {
             "mesh" | "skin" | "hfield" | "flexcomp" => Some(self.opened[0]),
@@ -130,8 +119,7 @@ impl<'a> Compiler<'a> {
         }
     }
 
-    /// Where a name in an `element` starts. `root` is the folder of the model. `included` is the
-    /// folder of the file with the element, if the model includes it.
+    /// `root` is the folder of the model, and `included` belongs to a file that it includes.
     pub fn start<'n>(
         &self,
         element: &str,

@@ -1,7 +1,6 @@
-//! What a model states about contacts: `exclude`, `pair` and `flag`.
+//! Contacts in a model: `exclude`, `pair` and `flag`.
 //!
-//! New `exclude` elements are added in a separate section at the end of the model. MuJoCo merges
-//! sections of the same name, so nothing else changes.
+//! New `exclude` elements are in a section of their own at the end, which MuJoCo merges.
 //!
 //! # Reference
 //! <https://mujoco.readthedocs.io/en/stable/XMLreference.html#contact>
@@ -13,8 +12,7 @@ use crate::description::{Contacts, Link};
 use crate::edit::Edit;
 use crate::element::{escaped, lead};
 
-/// What a model states about contacts, and the `pair` elements that name a geom which is no
-/// collision of `links`.
+/// Contacts, with the `pair` elements that name a geom which is no collision of `links`.
 pub fn contacts<'a>(tree: &Tree<'a>, links: &[Link]) -> (Contacts, Vec<Element<'a>>) {
     let flag = |name: &str| {
         let flags = tree.section("option").into_iter().filter(|element| element.name() == "flag");
@@ -42,7 +40,6 @@ pub fn contacts<'a>(tree: &Tree<'a>, links: &[Link]) -> (Contacts, Vec<Element<'
     (contacts, unknown)
 }
 
-/// The elements `contact` / `pair`.
 fn pairs<'a>(tree: &Tree<'a>) -> impl Iterator<Item = Element<'a>> + use<'a> {
     tree.section("contact").into_iter().filter(|element| element.name() == "pair")
 }
@@ -52,7 +49,6 @@ pub fn paired_geoms<'a>(tree: &Tree<'a>) -> BTreeSet<&'a str> {
     pairs(tree).flat_map(|element| ["geom1", "geom2"].map(|name| element.node.attribute(name))).flatten().collect()
 }
 
-/// The pairs of bodies that a model excludes.
 fn excluded(tree: &Tree, links: &[Link]) -> Vec<[usize; 2]> {
     let index: HashMap<&str, usize> = links.iter().enumerate().map(|(at, link)| (link.name.as_str(), at)).collect();
     let excludes = tree.section("contact").into_iter().filter(|element| element.name() == "exclude");
@@ -63,8 +59,7 @@ fn excluded(tree: &Tree, links: &[Link]) -> Vec<[usize; 2]> {
     pairs.collect()
 }
 
-/// The insertion of pairs that the model does not exclude yet. Bodies without a name are left out:
-/// an element cannot name them.
+/// Pairs that the model does not exclude yet, of bodies with names.
 pub fn exclude(tree: &Tree, text: &str, links: &[Link], pairs: &[[usize; 2]], comment: &str) -> Option<Edit> {
     let sorted = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
     let known: BTreeSet<[usize; 2]> = excluded(tree, links).into_iter().map(sorted).collect();

@@ -22,10 +22,6 @@ const OTHER_INERTIA: [&str; 6] = ["quat", "axisangle", "xyaxes", "zaxis", "euler
 /// The group of the new geoms: hidden by default, as is usual for collisions.
 const GROUP: &str = "3";
 
-/// The edits of each document.
-///
-/// # Errors
-/// A document can no longer be parsed.
 pub(crate) fn edits(description: &Description, changes: &[Change]) -> Result<Vec<Vec<Edit>>, RobotError> {
     let documents = &description.documents;
     let mut result: Vec<Vec<Edit>> = documents.iter().map(|_| Vec::new()).collect();
@@ -82,7 +78,6 @@ pub(crate) fn edits(description: &Description, changes: &[Change]) -> Result<Vec
     Ok(result)
 }
 
-/// The names of all meshes of the assets.
 fn names_of_meshes(tree: &Tree) -> BTreeSet<String> {
     let meshes = tree.all().filter(|element| element.name() == "mesh");
     let name = |mesh: Element| {
@@ -92,17 +87,13 @@ fn names_of_meshes(tree: &Tree) -> BTreeSet<String> {
     meshes.filter_map(name).collect()
 }
 
-/// The assets that are added.
 struct Assets<'a> {
     documents: &'a [Document],
-    /// Names of meshes.
     taken: BTreeSet<String>,
     /// By the old asset and the new file.
     named: BTreeMap<((usize, usize), String), String>,
     edits: Vec<(usize, Edit)>,
-    /// Whether assets of included files are added to the model's own file.
     are_in_model: bool,
-    /// Elements that are added there.
     in_model: Vec<String>,
 }
 
@@ -145,7 +136,6 @@ impl Assets<'_> {
     }
 }
 
-/// Writes the edits of one geom.
 struct Writer<'a> {
     element: Element<'a>,
     text: &'a str,
@@ -170,7 +160,6 @@ impl Writer<'_> {
         }
     }
 
-    /// Attributes of the geom of a hull.
     fn hull(&self, geom: &Geom, mesh: &str) -> Vec<(&'static str, Option<String>)> {
         let mut own = vec![("mesh", Some(mesh.to_owned()))];
         if geom.keeps_copy {
@@ -188,7 +177,6 @@ impl Writer<'_> {
         self.merged(own)
     }
 
-    /// Attributes of a geom that is only drawn and has mass.
     fn without_contact(&self) -> Vec<(&'static str, Option<String>)> {
         let none = || Some("0".to_owned());
         vec![("name", None), ("contype", none()), ("conaffinity", none())]
@@ -212,7 +200,6 @@ impl Writer<'_> {
         attributes.into_iter().filter_map(edit).collect()
     }
 
-    /// A copy of the element behind it.
     fn copy(&self, attributes: Vec<(&'static str, Option<String>)>) -> Edit {
         let node = self.element.node;
         let copy = edited(self.text, node.range(), self.merged(attributes));

@@ -53,8 +53,7 @@ pub fn joint<'t>(
     }
 }
 
-/// Couples the joints of `equality` / `joint`. Inactive couplings, and couplings of joints with
-/// several axes, are left out.
+/// Inactive couplings, and couplings of joints with several axes, are left out.
 pub fn couple(tree: &Tree, chain: &mut Chain) {
     let scalars = chain.joints.iter().enumerate().filter(|(_, joint)| !joint.name.is_empty());
     let scalars = scalars.filter(|(_, joint)| matches!(joint.motion, Motion::Hinge | Motion::Slide));

@@ -1,9 +1,8 @@
 //! MJCF: bodies with geoms, which name meshes of the assets.
 //!
 //! A geom collides unless `contype` and `conaffinity` are both 0. In many models it is drawn, and
-//! gives the body its mass, too. So a geom that is drawn, or whose mass counts, gets a copy that
-//! does not collide and has no name. The look of the model and its masses stay the same, to the
-//! bit.
+//! gives the body its mass, too. Then it gets a copy that does not collide and has no name, so that
+//! look and masses stay the same, to the bit.
 //!
 //! # Reference
 //! <https://mujoco.readthedocs.io/en/stable/XMLreference.html>
@@ -51,19 +50,14 @@ const TRANSPARENT: [&str; 2] = ["frame", "replicate"];
 /// Elements that stand for bodies and geoms, and are not read.
 const UNREAD: [&str; 4] = ["attach", "composite", "flexcomp", "flex"];
 
-/// Attributes that name geoms.
 const NAMES_OF_GEOMS: [&str; 4] = ["geom", "geom1", "geom2", "objname"];
 
-/// A mesh asset.
 struct Asset<'a> {
     element: Element<'a>,
     source: Source<'a>,
 }
 
-/// Finds the bodies of a model. Its references include the files that attached models need.
-///
-/// # Errors
-/// A file is missing, invalid, or included twice, or names are used twice.
+/// Reads a model, with references to the files that attached models need.
 pub(crate) fn read(document: Document, places: &Places) -> Result<Description, RobotError> {
     let (mut description, attached) = read_one(document, places)?;
     let read_other = |path: &Path| {
@@ -75,7 +69,6 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
     Ok(description)
 }
 
-/// A model, and the files of the models that it attaches.
 fn read_one(document: Document, places: &Places) -> Result<(Description, Vec<Reference>), RobotError> {
     let (documents, includes) = tree::load(document, places)?;
     let parsed: Vec<roxmltree::Document> = documents.iter().map(Document::parse).collect::<Result<_, _>>()?;
@@ -126,7 +119,6 @@ fn read_one(document: Document, places: &Places) -> Result<(Description, Vec<Ref
     Ok((description, attached))
 }
 
-/// The meshes of the assets, by name.
 fn assets<'a>(tree: &Tree<'a>, documents: &[Document]) -> Result<BTreeMap<String, Asset<'a>>, RobotError> {
     let mut assets: BTreeMap<String, Asset> = BTreeMap::new();
     for element in tree.section("asset").into_iter().filter(|element| element.name() == "mesh") {
@@ -155,30 +147,25 @@ fn pinned(tree: &Tree) -> BTreeMap<String, String> {
     named.collect()
 }
 
-/// Reads bodies and geoms.
 struct Reader<'a> {
     documents: &'a [Document],
     tree: Tree<'a>,
     classes: Classes,
     assets: BTreeMap<String, Asset<'a>>,
     pinned: BTreeMap<String, String>,
-    /// Names of the geoms of pairs.
     paired: BTreeSet<&'a str>,
     compiler: &'a Compiler<'a>,
     places: &'a Places,
 }
 
-/// An element in a body.
 #[derive(Clone, Copy)]
 struct Inside<'a, 'c> {
     element: Element<'a>,
-    /// The class that it inherits.
     childclass: Option<&'c str>,
     /// The frame of the elements `frame` around it, in the frame of the body.
     frame: Frame,
 }
 
-/// What a body holds.
 #[derive(Default)]
 struct Contents<'a, 'c> {
     geoms: Vec<Inside<'a, 'c>>,
@@ -234,13 +221,11 @@ impl<'a> Reader<'a> {
         Ok((links, geoms, chain, warnings))
     }
 
-    /// A place in a file, for messages.
     fn place(&self, element: Element) -> String {
         let document = &self.documents[element.document];
         format!("{}:{}", document.path().display(), document.line(element.node.range().start))
     }
 
-    /// A warning about a geom whose mesh does not exist.
     fn unknown_mesh(&self, geom: &Inside) -> Option<String> {
         let get = |name| self.classes.get(&geom.element, geom.childclass, name);
         let place = self.place(geom.element);
@@ -254,7 +239,6 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A warning about each class that is named and does not exist.
     fn unknown_classes(&self) -> Vec<String> {
         let mut seen = BTreeSet::new();
         let named = self.tree.all().filter(|element| element.name() != "default").flat_map(|element| {
@@ -352,7 +336,6 @@ impl<'a> Reader<'a> {
         found
     }
 
-    /// A geom, and whether it collides.
     fn geom(&self, geom: Inside<'a, '_>, counts_mass: bool) -> (Shape, Geom, bool) {
         let Inside { element: geom, childclass, frame } = geom;
         let get = |name: &str| self.classes.get(&geom, childclass, name);
@@ -436,7 +419,6 @@ impl<'a> Reader<'a> {
         found.map(unread).collect()
     }
 
-    /// Where a file of an element is looked for.
     fn start<'n>(&self, of: Element, name: &'n str) -> Start<'n> {
         let folder = |document: usize| folder_of(self.documents[document].path());
         let included = Some(folder(of.document)).filter(|_| of.document != 0);

@@ -5,10 +5,8 @@ use std::collections::BTreeMap;
 /// Document and start of an `include`, and the document that it stands for.
 pub type Includes = BTreeMap<(usize, usize), usize>;
 
-/// Files and geoms of a model.
 #[derive(Debug)]
 pub struct Model {
-    /// Where files are included.
     pub includes: Includes,
     /// By document and start of the geom.
     pub geoms: BTreeMap<(usize, usize), Geom>,
@@ -17,7 +15,6 @@ pub struct Model {
     pub assets_in_model: bool,
 }
 
-/// A geom of a mesh or primitive.
 #[derive(Clone, Debug)]
 pub struct Geom {
     /// Whether a copy must be drawn, or keep the mass.

@@ -8,17 +8,14 @@ use glam::{DMat3, DQuat, DVec3};
 use crate::description::{numbers, triple};
 use crate::frame::Frame;
 
-/// How a model states angles.
 #[derive(Clone, Copy, Debug)]
 pub struct Angles<'a> {
-    /// Whether they are degrees, not radians.
     pub are_degrees: bool,
     /// The axes of Euler angles, in order. Lower-case axes rotate with the frame.
     pub sequence: &'a str,
 }
 
 impl Angles<'_> {
-    /// An angle in radians.
     pub fn radians(&self, angle: f64) -> f64 {
         if self.are_degrees { angle.to_radians() } else { angle }
     }
@@ -93,8 +90,7 @@ mod tests {
         angles.frame(|own| (own == name).then_some(value)).unwrap().rotation
     }
 
-    /// Each of these describes the same orientation: a quarter turn about z, then a quarter turn
-    /// about the new x.
+    /// A quarter turn about z, then a quarter turn about the new x.
     #[test]
     fn orientations_in_every_way_agree() {
         let expected = rotation("quat", "0.5 0.5 0.5 0.5", "xyz");

@@ -10,14 +10,10 @@ use crate::document::Document;
 use crate::error::RobotError;
 use crate::places::{Name, Places, Unresolved, folder_of};
 
-/// Maximum number of included files.
 const MAX_FILES: usize = 1000;
 
-/// Reads the files that a model includes. Their names are relative to the folder of the model or,
-/// as in newer versions of MuJoCo, to the folder of the including file.
-///
-/// # Errors
-/// A file is missing or invalid, or is included twice, as in a cycle.
+/// Names are relative to the folder of the model or, as in newer versions of MuJoCo, of the
+/// including file. Fails for a file that is included twice, as in a cycle.
 pub fn load(model: Document, places: &Places) -> Result<(Vec<Document>, Includes), RobotError> {
     let root = folder_of(model.path()).to_owned();
     let canonical = |path: &std::path::Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
@@ -61,20 +57,14 @@ pub fn load(model: Document, places: &Places) -> Result<(Vec<Document>, Includes
     Ok((documents, includes))
 }
 
-/// The parsed files of a model.
 pub struct Tree<'a> {
-    /// The parsed document of each file.
     pub parsed: &'a [roxmltree::Document<'a>],
-    /// Where files are included.
     pub includes: &'a Includes,
 }
 
-/// An element, and the index of its document.
 #[derive(Clone, Copy, Debug)]
 pub struct Element<'a> {
-    /// Index of the document.
     pub document: usize,
-    /// The element.
     pub node: Node<'a, 'a>,
 }
 
@@ -85,7 +75,6 @@ impl<'a> Element<'a> {
 }
 
 impl<'a> Tree<'a> {
-    /// The root of the model.
     pub fn root(&self) -> Element<'a> {
         Element { document: 0, node: self.parsed[0].root_element() }
     }
@@ -117,7 +106,6 @@ impl<'a> Tree<'a> {
         sections.flat_map(|section| self.children(section)).collect()
     }
 
-    /// Every element of every file.
     pub fn all(&self) -> impl Iterator<Item = Element<'a>> {
         let elements = |(document, parsed): (usize, &'a roxmltree::Document<'a>)| {
             parsed.descendants().filter(Node::is_element).map(move |node| Element { document, node })

@@ -55,7 +55,6 @@ struct Reader<'a, 'd> {
 }
 
 impl<'a> Reader<'a, '_> {
-    /// What is said about an element, with its line.
     fn about(&self, node: Node, message: &str) -> String {
         let line = self.document.line(node.range().start);
         let name = node.attribute("name").unwrap_or_default();
@@ -120,8 +119,7 @@ impl<'a> Reader<'a, '_> {
         self.chain.joints.push(Joint::unmoved(node.attribute("name").unwrap_or_default(), link));
     }
 
-    /// Adds one axis of a joint. The frames are the frame of the model and the frame of the joint
-    /// in the link.
+    /// Frames: of the model, and of the joint in the link.
     fn push(
         &mut self,
         [model, node]: [Node<'a, 'a>; 2],
@@ -176,7 +174,6 @@ impl<'a> Reader<'a, '_> {
         });
     }
 
-    /// Couples the joints that mimic others.
     fn couple(&mut self) {
         for (follower, model, mimic) in std::mem::take(&mut self.mimics) {
             let leader = mimic.attribute("joint").and_then(|name| self.frames.find(model, name));

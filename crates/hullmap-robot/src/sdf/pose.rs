@@ -16,7 +16,6 @@ use crate::frame::Frame;
 /// Maximum number of frames that refer to each other.
 const MAX_STEPS: usize = 100;
 
-/// Kinds of elements that are frames of a model, by their names.
 const FRAMES: [&str; 4] = ["link", "joint", "frame", "model"];
 
 /// The numbers of an element's pose, in whatever frame they are relative to; `None` if invalid.
@@ -42,7 +41,6 @@ pub fn stated(node: Node) -> Option<Frame> {
     }
 }
 
-/// The frame that an element's pose is relative to, if it names one.
 fn relative_to<'a>(node: Node<'a, '_>) -> Option<&'a str> {
     child(node, "pose")?.attribute("relative_to").filter(|frame| !frame.is_empty())
 }
@@ -52,7 +50,6 @@ pub fn in_link(node: Node) -> Option<Frame> {
     stated(node).filter(|_| relative_to(node).is_none())
 }
 
-/// The frames of all models, by name.
 pub struct Frames<'a> {
     /// By the start of the model, and the name.
     named: HashMap<(usize, &'a str), Node<'a, 'a>>,
@@ -62,7 +59,6 @@ pub struct Frames<'a> {
 }
 
 impl<'a> Frames<'a> {
-    /// The frames of a file.
     pub fn new(root: Node<'a, 'a>) -> Self {
         let mut named = HashMap::new();
         for model in root.descendants().filter(|node| node.has_tag_name("model")) {

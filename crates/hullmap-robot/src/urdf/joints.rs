@@ -74,7 +74,6 @@ pub fn chain(robot: Node, links: &[Link], document: &Document) -> Chain {
     chain
 }
 
-/// A joint; `None` if it is fixed.
 fn joint(node: Node, name: &str, kind: &str, link: usize) -> Option<Joint> {
     let motion = match kind {
         "revolute" | "continuous" => Motion::Hinge,

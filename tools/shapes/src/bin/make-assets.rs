@@ -13,7 +13,6 @@ Usage: make-assets DIR           write the generated files into DIR
 
 Exit status: 0 done; 1 --check found a difference; 2 usage error, or a file could not be read or written.";
 
-/// Command given by the arguments.
 enum Command {
     Help,
     Write(PathBuf),

@@ -1,6 +1,4 @@
-//! Voids of parts with and without filling, by points at random. Whether a point is in the solid is
-//! the sum of the solid angles of all triangles; whether it is in a part follows from the part's
-//! vertices.
+//! Voids with and without filling, at random points. Solid angles decide which are in the solid.
 
 use glam::DVec3;
 use shapes::{concave, cubes, rng::SplitMix64};
@@ -17,7 +15,6 @@ use crate::{
 
 const SEED: u64 = 41;
 
-/// Points that are drawn in the box around a mesh.
 const POINTS: usize = 4_000;
 
 /// The winding number of the mesh around a point, from solid angles.
@@ -34,7 +31,6 @@ fn winding(mesh: &PointSet, p: DVec3) -> f64 {
     mesh.triangles.iter().map(angle).sum::<f64>() / (4.0 * std::f64::consts::PI)
 }
 
-/// Whether a point is behind the planes of all faces, each through three corners.
 fn holds(part: &Hull, p: DVec3) -> bool {
     let at = |v: u32| DVec3::from_array(part.vertices[v as usize].map(f64::from));
     part.faces.iter().all(|face| {
@@ -44,7 +40,6 @@ fn holds(part: &Hull, p: DVec3) -> bool {
     })
 }
 
-/// Number of points in the solid, and of those that are in no part.
 fn sampled(mesh: &PointSet, parts: &[Hull]) -> [usize; 2] {
     let mut rng = SplitMix64::new(SEED);
     let [low, high] = Solid::new(mesh).bounds();
@@ -80,7 +75,6 @@ fn filled_parts_of_a_turned_mesh_leave_no_voids() {
     assert_that_filled_parts_leave_no_voids(&[("turned", mesh, 0.015)]);
 }
 
-/// At least half of the meshes must have voids without filling.
 fn assert_that_filled_parts_leave_no_voids(meshes: &[(&str, PointSet, f64)]) {
     println!("seed {SEED}");
     let mut with_voids = 0;
@@ -95,7 +89,6 @@ fn assert_that_filled_parts_leave_no_voids(meshes: &[(&str, PointSet, f64)]) {
         with_voids += usize::from(voids > 0);
         let refs: Vec<&Hull> = with.iter().collect();
         assert!(remainder(&Solid::new(mesh), &refs).is_empty(), "{name}");
-        // Both bounds still hold.
         let diagonal = Solid::new(mesh).diagonal();
         for fit in fits(mesh, &refs, None).unwrap() {
             assert!(fit.uncovered <= 1e-6 * diagonal && fit.protrusion <= 1.001 * error * diagonal, "{name}: {fit:?}");
@@ -105,7 +98,6 @@ fn assert_that_filled_parts_leave_no_voids(meshes: &[(&str, PointSet, f64)]) {
     assert!(with_voids > 0 && 2 * with_voids >= meshes.len(), "{with_voids} meshes have voids");
 }
 
-/// A sheet has no inside, and a mesh with a hole none that is known.
 #[test]
 fn meshes_that_are_not_closed_are_left_as_they_are() {
     let mut open = point_set(&cubes::grooved([5, 5, 5], [2, 2, 2]));
@@ -116,12 +108,10 @@ fn meshes_that_are_not_closed_are_left_as_they_are() {
     assert_eq!(positions(&without), positions(&with));
 }
 
-/// What is left has the volume that the parts leave out, for parts whose volume is known.
 #[test]
 fn what_is_left_has_the_rest_of_the_volume() {
     let mesh = point_set(&cubes::surface(&[[0, 0, 0], [1, 0, 0], [0, 1, 0]]));
     let solid = Solid::new(&mesh);
-    // They contain the surface, and overlap in the corner.
     let block = |low: [f32; 3], high: [f32; 3]| {
         let corner = |i: usize| [0, 1, 2].map(|axis| [low, high][i >> axis & 1][axis]);
         let source_vertices = (0..8).collect();

@@ -49,7 +49,6 @@ impl Body {
         Self::of_distinct(distinct(points), thickness)
     }
 
-    /// The hull of points in ascending order, each once.
     fn of_distinct(points: Vec<DVec3>, thickness: f64) -> Self {
         let (low, high) = bounds(&points);
         let (extreme, around) = match points.as_slice() {
@@ -170,7 +169,6 @@ pub const ROUGH: usize = 128;
 /// A body inside the hull of points. Those deep inside of it are no corners of the hull.
 pub struct Inner {
     body: Body,
-    /// How deep they are.
     slack: f64,
 }
 
@@ -203,7 +201,7 @@ impl Inner {
 /// Depth from which a point counts as deep inside, relative to the diagonal.
 const INNER: f64 = 1e-9;
 
-/// The same, relative to the greatest coordinate.
+/// Depth relative to the greatest coordinate, for rounding errors.
 const INNER_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// The points in ascending order, each once. Negative zeros become positive.
@@ -220,7 +218,6 @@ mod tests {
 
     use super::*;
 
-    /// In boxes, balls and sheets, near the origin and far from it.
     #[test]
     fn extreme_points_are_outer_ones() {
         let mut rng = SplitMix64::new(3);
@@ -248,9 +245,8 @@ mod tests {
         assert!(dropped > 5_000, "{dropped}");
     }
 
-    /// Regression: facets with nearly collinear corners had arbitrary normals. Their planes cut
-    /// through the body, parts lost whole regions of the surface, and each triangle there became a
-    /// thin part.
+    /// Regression: arbitrary normals of facets with nearly collinear corners cut through the body,
+    /// and each triangle outside became a thin part.
     #[test]
     fn bodies_hold_their_points() {
         let mut rng = SplitMix64::new(5);

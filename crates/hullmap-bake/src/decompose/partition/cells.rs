@@ -5,12 +5,11 @@
 //!    of each other.
 //! 2. A piece whose hull stays near the solid is a cell.
 //! 3. Split any other piece into its connected components. If it is connected, cut it by a plane:
-//!    of a face at a concave edge, between two such faces, or across the piece's box. Of a few
+//!    of a face at a concave edge, between two such faces, or across the piece's box. Among a few
 //!    candidates, choose the plane that leaves the least volume in the hulls of both sides.
 //! 4. Split a piece that cannot be cut any more into its polygons, which protrude nowhere.
 //!
-//! Triangles are clipped, never replaced: the cells' polygons are the mesh's surface, and the hull
-//! of a cell's corners contains its polygons. A hull of whole cells therefore covers them.
+//! Triangles are clipped, never replaced, so a hull of whole cells covers their polygons.
 
 use std::collections::BTreeMap;
 
@@ -56,19 +55,15 @@ struct Edge {
     sine: f64,
 }
 
-/// Polygons of the surface, flat in memory.
 #[derive(Clone, Debug, Default)]
 struct Piece {
     corners: Vec<DVec3>,
-    /// Where each polygon's corners end.
     ends: Vec<u32>,
-    /// Unit normal of each polygon.
     normals: Vec<DVec3>,
     edges: Vec<Edge>,
 }
 
 impl Piece {
-    /// A whole surface.
     fn new(triangles: &[[DVec3; 3]], diagonal: f64) -> Self {
         let mut piece = Self::default();
         for t in triangles {
@@ -78,7 +73,6 @@ impl Piece {
         piece
     }
 
-    /// The planes of faces that may divide the piece.
     fn face_planes(&self) -> FacePlanes {
         let of_polygon = |(corners, normal): (&[DVec3], DVec3)| {
             let area: f64 = planes::fan(corners).iter().map(|[a, b, c]| 0.5 * (*b - *a).cross(*c - *a).length()).sum();
@@ -121,7 +115,6 @@ impl Piece {
         DVec3::new(variance.x.sqrt(), variance.y.sqrt(), variance.z.sqrt())
     }
 
-    /// The polygons on both sides of a plane.
     fn split(&self, plane: &HalfSpace, slack: f64, stride: usize) -> [Self; 2] {
         let mut sides = [Self::default(), Self::default()];
         let mut halves = [Vec::new(), Vec::new()];
@@ -213,7 +206,6 @@ fn find(root: &mut [u32], mut i: u32) -> u32 {
     i
 }
 
-/// Both sides of a convex polygon. A side without area has fewer than three corners.
 fn clip(corners: &[DVec3], plane: &HalfSpace, slack: f64, halves: &mut [Vec<DVec3>; 2]) {
     let [below, above] = halves;
     below.clear();
@@ -303,10 +295,8 @@ pub fn cells(triangles: &[[DVec3; 3]], field: &Field, cutting: &Cutting) -> Opti
     Some(Cells { cells, planes })
 }
 
-/// The pieces that a piece is cut into, each with its number of cuts, or else its cells.
 type Step = Result<Vec<(Piece, u32)>, Vec<Patch>>;
 
-/// Cells of a piece, or the pieces it is cut into.
 fn step(piece: Piece, depth: u32, field: &Field, cutting: &Cutting, may_cut: bool) -> Step {
     let thickness = cutting.hard.diagonal * THICKNESS;
     let is_large = piece.corners.len() > MAX_CORNERS;
@@ -360,8 +350,8 @@ fn polygons(piece: &Piece, cutting: &Cutting) -> Vec<Patch> {
 /// Maximum number of polygons of a piece in front of which its hull is sampled.
 const RAYS: usize = 64;
 
-/// Whether a sample of a piece's hull is farther than `limit` from the solid. Samples are in front
-/// of the piece's polygons, and on the largest faces of the hull.
+/// Whether a sample of a piece's hull, in front of its polygons or on the largest faces of the
+/// hull, is farther than `limit` from the solid.
 fn protrudes(piece: &Piece, body: &Body, field: &Field, limit: f64) -> bool {
     let stride = piece.ends.len().div_ceil(RAYS).max(1);
     for (corners, normal) in (0..piece.ends.len()).step_by(stride).map(|i| piece.polygon(i)) {
@@ -379,13 +369,11 @@ fn protrudes(piece: &Piece, body: &Body, field: &Field, limit: f64) -> bool {
 /// Maximum number of measurements by which a cell is proven.
 const MEASUREMENTS: usize = 4_000;
 
-/// Whether the hull of a piece is proven to be near enough to the solid.
 fn is_proven(body: &Body, field: &Field, cutting: &Cutting) -> bool {
     let rounded = body.points.iter().map(|p| p.as_vec3().to_array().map(|c| c + 0.0)).collect();
     hull::of_positions(rounded).is_some_and(|hull| wrap::prove(field, &hull, &cutting.hard, MEASUREMENTS).is_ok())
 }
 
-/// The plane that cuts a connected piece.
 fn plane(piece: &Piece, slack: f64, thickness: f64) -> Option<HalfSpace> {
     let (low, high) = super::body::bounds(&piece.corners);
     let size = high - low;
@@ -452,8 +440,7 @@ fn plane(piece: &Piece, slack: f64, thickness: f64) -> Option<HalfSpace> {
 /// Share of the area of all faces from which faces in one plane count as large.
 const LARGE: f64 = 0.005;
 
-/// The planes of faces at the concave edges of a piece, each with the length and sine of its edges,
-/// the greatest first.
+/// Planes of faces at concave edges, weighted by the edges' lengths and sines, the greatest first.
 fn ranked(piece: &Piece) -> Vec<(f64, HalfSpace)> {
     let weight = |edge: &Edge| edge.ends[0].distance(edge.ends[1]) * edge.sine;
     grouped(piece, piece.edges.iter().flat_map(|edge| edge.planes.map(|plane| (weight(edge), plane, edge.ends[0]))))
@@ -477,7 +464,6 @@ fn grouped(piece: &Piece, planes: impl Iterator<Item = (f64, HalfSpace, DVec3)>)
     ranked
 }
 
-/// Edges whose faces lie in front of each other.
 fn concave_edges(triangles: &[[DVec3; 3]], diagonal: f64) -> Vec<Edge> {
     let key = |p: DVec3| (p + DVec3::ZERO).to_array().map(f64::to_bits);
     let mut sides: Vec<([[u64; 3]; 2], u32, u32)> = Vec::with_capacity(3 * triangles.len());

@@ -5,9 +5,9 @@ use rayon::prelude::*;
 /// Maximum number of items from which a clique is grown: those with the most conflicts.
 const STARTS: usize = 64;
 
-/// The size of a large clique of `count` items: the largest of those that are grown from single
-/// items, where the item that leaves the most candidates comes next. 0 if there are no items. Of
-/// two items, `are_in_conflict` gets the first one first.
+/// The size of a large clique of `count` items, 0 if there are none: grown from single items,
+/// taking next the item that leaves the most candidates. `are_in_conflict` gets the lower index
+/// first.
 ///
 /// # Complexity
 /// For n items, n² / 2 conflicts, and at most 64 cliques of k items, each in O(k n²).
@@ -42,7 +42,6 @@ mod tests {
 
     use super::*;
 
-    /// Judged by all sets of items.
     #[test]
     fn cliques_are_cliques_and_mostly_the_largest() {
         let seed = 4;
@@ -61,7 +60,6 @@ mod tests {
             let is_clique = |set: &u32| (0..12).all(|i| set >> i & 1 == 0 || set & !rows[i] == 1 << i);
             let expected = (1..1 << 12).filter(is_clique).map(u32::count_ones).max().unwrap() as usize;
             let found = large_clique(12, |i, j| rows[i] >> j & 1 == 1);
-            // Items far from each other in the list, among others without conflicts.
             let is_used = |i: usize| i.is_multiple_of(13);
             let is_edge = |i: usize, j: usize| is_used(i) && is_used(j) && rows[i / 13] >> (j / 13) & 1 == 1;
             assert_eq!(large_clique(12 * 13, is_edge), found);

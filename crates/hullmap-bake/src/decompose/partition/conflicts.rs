@@ -5,14 +5,12 @@
 //! The number of forbidden points in their hulls is less meaningful: a plane across a ring halves
 //! it, and both halves take as many parts as the ring.
 //!
-//! Points of which any two are in conflict, a *clique* of the graph of conflicts, need a part each.
-//! So a clique is a lower bound on the number of parts. It is proven up to rounding: both ends of a
-//! line are on the surface, so in some part; if they were in the same part, this would contain the
-//! line, and protrude by more than the limit.
+//! Points in mutual conflict, a *clique*, need a part each. So a clique is a lower bound on the
+//! number of parts, proven up to rounding: a part with both ends of a line contains it, and
+//! protrudes by more than the limit.
 //!
-//! # Reference
-//! Such pairs are called mutex pairs in Ren, Yuan, Li, Liu, "Minimum near-convex decomposition for
-//! robust shape representation", 2011.
+//! Reference, where such pairs are called mutex pairs: Ren, Yuan, Li, Liu, "Minimum near-convex
+//! decomposition for robust shape representation", 2011.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -27,13 +25,11 @@ use super::{
 };
 use crate::fit::planes::HalfSpace;
 
-/// Maximum number of points.
 const POINTS: usize = 64;
 
 /// Where a line is measured, the middle first.
 const MEASURED: [f64; 5] = [0.5, 0.25, 0.75, 0.125, 0.875];
 
-/// A set of points.
 type Points = u64;
 
 /// Points of a piece's surface, and which of them are in conflict.
@@ -42,7 +38,7 @@ pub struct Conflicts {
     points: Vec<(DVec3, u32)>,
     /// For each point, those with which it is in conflict.
     with: Vec<Points>,
-    /// The same, of pairs whose line leads beyond the limit of final hulls, which is larger.
+    /// Conflicts beyond the limit of final hulls, which is larger.
     proven: Vec<Points>,
     total: f64,
 }
@@ -102,9 +98,8 @@ impl Conflicts {
     }
 }
 
-/// Points of a surface, by which the number of parts is bounded for any limit: spread ones, and
-/// corners that are far from each other, such as those at the ends of limbs. Of half a surface,
-/// with their mirror images.
+/// Sample points that bound the number of parts for any limit: spread ones, and corners far from
+/// each other, such as the ends of limbs. For half a surface, with mirror images.
 pub struct Samples([Vec<DVec3>; 2]);
 
 impl Samples {
@@ -141,7 +136,6 @@ pub fn far(field: &Field, p: DVec3, q: DVec3, limit: f64) -> Option<DVec3> {
     MEASURED.iter().map(|t| p.lerp(q, *t)).find(|between| field.is_beyond(*between, limit))
 }
 
-/// For each point, those with which it is in conflict, in two senses.
 fn conflicts(points: &[DVec3], pair: impl Fn(DVec3, DVec3) -> [bool; 2] + Sync) -> [Vec<Points>; 2] {
     let earlier = |i: usize| {
         let mut row = [0; 2];
@@ -155,7 +149,6 @@ fn conflicts(points: &[DVec3], pair: impl Fn(DVec3, DVec3) -> [bool; 2] + Sync) 
     [0, 1].map(|k| mutual(rows.iter().map(|row| row[k]).collect()))
 }
 
-/// Adds to each row, which has conflicts with earlier points, those with later ones.
 fn mutual(mut rows: Vec<Points>) -> Vec<Points> {
     for i in 0..rows.len() {
         for j in 0..i {
@@ -189,7 +182,6 @@ mod tests {
         Bounds { limit: share * diagonal, max_vertices: 64, diagonal, thickness: 0.0, deadline: None, stage }
     }
 
-    /// The lower bounds for a whole mesh: as a piece, as a surface, and as half a surface.
     fn all_needed(mesh: &PointSet, share: f64) -> Vec<usize> {
         let (solid, surface) = (Solid::new(mesh), Surface::new(mesh));
         let bounds = bounds(share, &solid);

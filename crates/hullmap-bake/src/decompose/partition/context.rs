@@ -1,4 +1,4 @@
-//! What the steps of a search share: the solid, lengths, and points that no part may contain.
+//! Shared by the steps of a search: the solid, lengths, and points that no part may contain.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -17,16 +17,16 @@ use crate::spread::spread;
 /// Number of evenly spread points of which the forbidden ones are used.
 const SPREAD: usize = 6000;
 
-/// Approximate number of places on the surface beside which forbidden points are sought.
+/// Approximate number of places on the surface next to which forbidden points are searched for.
 const BESIDE: f64 = 3000.0;
 
-/// Maximum number of points of a hull that are too far from the solid, of those that are sought.
+/// Maximum number of points of a hull that are found too far from the solid.
 const REFUTING: usize = 12;
 
-/// Maximum number of distances by which they are sought.
+/// Maximum number of distances measured to find them.
 const MEASURED: usize = 800;
 
-/// What the steps of a search share.
+/// State that the steps of a search share.
 pub struct PartitionSearch<'a> {
     /// The mesh's solid.
     pub field: &'a Field<'a>,
@@ -36,9 +36,9 @@ pub struct PartitionSearch<'a> {
     pub planes: &'a FacePlanes,
     /// Limits of hulls.
     pub bounds: Bounds<'a>,
-    /// Number of parts above which a result is of no use.
+    /// Number of parts above which a result is unusable.
     pub enough: usize,
-    /// Whether pieces are peeled, too, which may give fewer parts.
+    /// Whether pieces are also peeled, which may give fewer parts.
     pub peels: bool,
 }
 
@@ -79,9 +79,6 @@ impl PartitionSearch<'_> {
     }
 
     /// The part of a piece.
-    ///
-    /// # Errors
-    /// See [`shape::Outcome`].
     pub fn shaped(&self, piece: &Piece) -> Result<Part, Option<DVec3>> {
         let (hull, bound) = shape::shaped(self.field, &piece.body, &self.bounds)?;
         Ok(Part { piece: piece.clone(), hull, bound })

@@ -28,15 +28,14 @@ const PROTRUSION: f64 = 2.0;
 /// meshes are cut in the middle.
 const OFF_MIDDLE: f64 = 0.3;
 
-/// Extra cost of a plane across a direction that is not an axis, as a share. Cuts across an axis
-/// are the easiest to read.
+/// Relative extra cost of a plane that is not across an axis: axis cuts are the easiest to read.
 const SLANTED: f64 = 0.1;
 
 /// Weight of the volume, relative to the weight of forbidden points.
 const VOLUME: f64 = 0.1;
 
-/// Extra cost of a plane if all concavities lead through the piece along its normal, as a share.
-/// Both sides have all of them, and need as many parts as the piece.
+/// Relative extra cost of a plane if all concavities lead through the piece along its normal: both
+/// sides then need as many parts as the piece.
 const THROUGH: f64 = 1.0;
 
 /// Maximum number of forbidden points from which that share is estimated.
@@ -135,11 +134,9 @@ fn led_through(search: &PartitionSearch, piece: &Piece, forbidden: &[DVec3], nor
     some().filter(is_through).count() as f64 / some().count().max(1) as f64
 }
 
-/// The plane after which the sides protrude least; `None` if no plane cuts the piece, or the time
-/// is over.
-///
-/// Candidates are planes of faces at concave edges, of large faces, and equally spaced planes
-/// across the axes.
+/// The plane whose sides protrude least; `None` if no plane cuts the piece, or after the deadline.
+/// Candidates: planes of faces at concave edges and of large faces, and equally spaced planes
+/// across axes.
 pub fn best_plane(
     search: &PartitionSearch,
     piece: &Piece,
@@ -149,7 +146,7 @@ pub fn best_plane(
     let choice = Choice::new(search, piece, near, conflicts);
     let mut candidates = choice.candidates();
     candidates.sort_by(|a, b| a.least().total_cmp(&b.least()));
-    // As many at a time as there are threads; the best does not depend on that.
+    // One batch for each thread; the best does not depend on their number.
     let mut best: Option<(f64, &Candidate)> = None;
     for some in candidates.chunks(rayon::current_num_threads()) {
         if best.is_some_and(|(cost, _)| some[0].least() > cost) {
@@ -162,13 +159,11 @@ pub fn best_plane(
     best.filter(|(cost, _)| cost.is_finite()).map(|(_, candidate)| candidate.plane)
 }
 
-/// What the choice of a plane depends on.
 struct Choice<'a> {
     search: &'a PartitionSearch<'a>,
     piece: &'a Piece,
     near: &'a [Vec<u32>],
     conflicts: &'a Conflicts,
-    /// Some of the forbidden points.
     forbidden: Vec<DVec3>,
 }
 
@@ -179,7 +174,6 @@ impl<'a> Choice<'a> {
         Self { search, piece, near, conflicts, forbidden }
     }
 
-    /// All candidates.
     fn candidates(&self) -> Vec<Candidate> {
         let Self { search: PartitionSearch { scale, planes, .. }, piece, .. } = *self;
         let across = |normal: DVec3, k: usize| {
@@ -198,7 +192,6 @@ impl<'a> Choice<'a> {
         all.into_par_iter().map(candidate).collect()
     }
 
-    /// The share of the conflicts that a plane leaves.
     fn left(&self, plane: &HalfSpace) -> f64 {
         if self.search.is_over() {
             return 0.0;
@@ -206,7 +199,6 @@ impl<'a> Choice<'a> {
         self.conflicts.left(self.piece, &self.search.scale, self.near, plane)
     }
 
-    /// How much the sides of a candidate protrude, and how much it differs from a good cut.
     fn cost(&self, Candidate { plane, factor, left, .. }: &Candidate) -> f64 {
         let Self { search, piece, near, ref forbidden, .. } = *self;
         if search.is_over() {
@@ -217,14 +209,11 @@ impl<'a> Choice<'a> {
     }
 }
 
-/// A plane that may divide a piece.
 struct Candidate {
-    /// Of planes with the same cost, the one with the lowest index is best.
+    /// Ties go to the lowest index.
     index: usize,
     plane: HalfSpace,
-    /// Factor by which its place and direction raise its cost.
     factor: f64,
-    /// The share of the conflicts that it leaves.
     left: f64,
 }
 
@@ -235,7 +224,6 @@ impl Candidate {
     }
 }
 
-/// How much a plane across a direction differs from one in the middle of an axis.
 fn unlike(piece: &Piece, plane: &HalfSpace) -> f64 {
     let (low, high) = range(piece, plane.normal);
     let off_middle = (2.0 * (plane.offset - low) / (high - low) - 1.0).abs();
@@ -243,8 +231,8 @@ fn unlike(piece: &Piece, plane: &HalfSpace) -> f64 {
     OFF_MIDDLE * off_middle + if is_across_axis { 0.0 } else { SLANTED }
 }
 
-#[cfg(test)]
 /// Tests, and the meshes and pieces that tests of other files use.
+#[cfg(test)]
 pub mod tests {
     use std::{f64::consts::TAU, sync::Arc};
 
@@ -306,7 +294,7 @@ pub mod tests {
         });
     }
 
-    /// Two thin gears need twice as many parts as one. Conflicts alone cut each of these across.
+    /// Two thin gears need twice as many parts as one; by conflicts alone, each is cut across.
     #[test]
     fn gears_are_not_cut_across_the_axis() {
         for (teeth, height, share) in
@@ -320,8 +308,7 @@ pub mod tests {
         }
     }
 
-    /// A gear has cuts in many directions that are as good. Without the extra cost, a slanted one
-    /// is best for 13 teeth.
+    /// Without the extra cost, a slanted cut is best for a gear with 13 teeth.
     #[test]
     fn cuts_across_an_axis_are_preferred() {
         with_search(&gear(13, 0.4), 0.02, |search, piece| {
@@ -339,7 +326,6 @@ pub mod tests {
         });
     }
 
-    /// Compared with the least cost of all candidates.
     #[test]
     fn candidates_that_are_skipped_are_no_better() {
         let mut skipped = 0;

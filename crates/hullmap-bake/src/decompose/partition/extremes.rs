@@ -8,13 +8,11 @@ use glam::DVec3;
 /// Number of steps from the middle of the grid of directions to its border, along each axis.
 const STEPS: i32 = 2;
 
-/// Number of directions: the border of the grid.
 const COUNT: usize = 98;
 
 /// Length of the longest direction, rounded up.
 const LONGEST: f64 = 3.5;
 
-/// The directions, by component.
 static DIRECTIONS: LazyLock<[[f64; COUNT]; 3]> = LazyLock::new(|| {
     let all = || -STEPS..=STEPS;
     let grid = all().flat_map(|x| all().flat_map(move |y| all().map(move |z| [x, y, z])));
@@ -32,18 +30,14 @@ static DIRECTIONS: LazyLock<[[f64; COUNT]; 3]> = LazyLock::new(|| {
 pub struct Extremes {
     /// How far they are: the products with the directions, which are not of unit length.
     reach: [f64; COUNT],
-    /// The points, by component.
     at: [[f64; COUNT]; 3],
 }
 
 impl Extremes {
-    /// Of no points.
+    /// The extremes of an empty group.
     pub const EMPTY: Self = Self { reach: [f64::NEG_INFINITY; COUNT], at: [[0.0; COUNT]; 3] };
 
-    /// Of points.
-    ///
-    /// # Complexity
-    /// 98 products for each point.
+    /// The extremes of points.
     pub fn from_points(points: &[DVec3]) -> Self {
         let mut extremes = Self::EMPTY;
         for p in points {
@@ -76,8 +70,8 @@ impl Extremes {
         }
     }
 
-    /// Whether a point is at most `slack` beyond the farthest ones along all directions. All others
-    /// are outside of the hull.
+    /// Whether a point is at most `slack` beyond the farthest ones along all directions; a
+    /// necessary condition for being in the hull.
     pub fn may_hold(&self, p: DVec3, slack: f64) -> bool {
         let [x, y, z] = &*DIRECTIONS;
         let reach = self.reach.iter().enumerate();
@@ -89,8 +83,7 @@ impl Extremes {
         self.along(|_| true)
     }
 
-    /// Those along the directions to the corners, and to the middles of the edges and faces, of a
-    /// cube.
+    /// The points along the 26 directions to a cube's corners, edges and faces.
     pub fn few_points(&self) -> Vec<DVec3> {
         let [x, y, z] = &*DIRECTIONS;
         self.along(|k| [x[k], y[k], z[k]].iter().all(|c| c.abs() != 1.0))
@@ -108,7 +101,6 @@ mod tests {
 
     use super::*;
 
-    /// Compared with a scan of all points along all directions; many points tie.
     #[test]
     fn extremes_of_groups_are_those_of_all_points() {
         let seed = 4;

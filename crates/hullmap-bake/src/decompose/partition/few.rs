@@ -1,5 +1,5 @@
-//! Hulls of few vertices around a hull, however far they protrude: where simplification fails, or
-//! would take too long.
+//! Hulls of few vertices around a hull, with unbounded protrusion: the fallback where
+//! simplification fails or takes too long.
 //!
 //! | vertices allowed | hull |
 //! |---|---|
@@ -34,16 +34,14 @@ pub fn within_vertices(hull: Hull, max_vertices: usize) -> Hull {
     }
 }
 
-/// The same without much work: a hull of many vertices is replaced by its
-/// [`outer`](mod@crate::outer) hull.
+/// Faster: a hull of many vertices is replaced by its [`outer`](mod@crate::outer) hull.
 pub fn quickly_within_vertices(hull: Hull, max_vertices: usize) -> Hull {
     let is_large = hull.vertices.len() > MANY && hull.vertices.len() > max_vertices;
     let coarse = is_large.then(|| outer::outer(&hull)).filter(|outer| !outer.is_empty()).and_then(hull::of_positions);
     within_vertices(coarse.unwrap_or(hull), max_vertices)
 }
 
-/// The box around a hull, or a tetrahedron around that; `None` if it cannot be built, since its
-/// coordinates would be infinite.
+/// The box around a hull, or a tetrahedron around that; `None` if coordinates would be infinite.
 fn around(hull: &Hull, max_vertices: usize) -> Option<Hull> {
     let end =
         |axis: usize, pick: fn(f32, f32) -> f32, start: f32| hull.vertices.iter().map(|p| p[axis]).fold(start, pick);
@@ -74,7 +72,6 @@ mod tests {
         hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).unwrap()
     }
 
-    /// Judged by exact predicates.
     #[test]
     fn hulls_around_contain_the_hull_and_have_few_vertices() {
         let far = |p: [f32; 3]| p.map(|x| x + 3e4);
@@ -101,8 +98,7 @@ mod tests {
         }
     }
 
-    /// Regression: a hull that simplification cannot handle kept all of its vertices. Rounding to
-    /// f32 defeats it for points of one plane far from the origin.
+    /// Regression: rounding to f32 defeats simplification for coplanar points far from the origin.
     #[test]
     fn no_hull_keeps_too_many_vertices() {
         let ring = |i: usize, size: f64, far: f64| {

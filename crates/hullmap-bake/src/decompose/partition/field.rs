@@ -15,10 +15,9 @@ use glam::DVec3;
 use crate::deadline::Deadline;
 use crate::fit::{peaks::Peaks, solid::Solid, triangle};
 
-/// Number of voxels along the longest side of the box.
 const VOXELS: usize = 48;
 
-/// Maximum number of measurements by which local maxima are sought.
+/// Maximum number of measurements to find local maxima.
 const PEAK_MEASUREMENTS: usize = 60_000;
 
 const MIXED: u8 = 0;
@@ -33,8 +32,7 @@ pub struct Field<'a> {
     step: f64,
     size: [usize; 3],
     labels: Vec<u8>,
-    /// For each voxel, the number of steps to the nearest mixed one, of which each leads to a
-    /// neighbour across a face, an edge or a corner.
+    /// For each voxel, the number of steps to the nearest mixed one among its 26 neighbours.
     steps: Vec<u8>,
     peaks: Option<Peaks>,
     /// The greatest length above which there are too many.
@@ -43,9 +41,6 @@ pub struct Field<'a> {
 
 impl<'a> Field<'a> {
     /// The field of a solid.
-    ///
-    /// # Complexity
-    /// O(voxels + triangles × voxels of their boxes).
     pub fn new(solid: &'a Solid) -> Self {
         let [low, high] = solid.bounds();
         let extent = (high - low).max_element();
@@ -177,8 +172,8 @@ impl<'a> Field<'a> {
     }
 
     /// Finds the local maxima of the distance above a length, which makes proofs for greater
-    /// lengths faster. Those above a smaller length serve, too. Where there are too many, none are
-    /// sought above a smaller length.
+    /// lengths faster. Does nothing if a smaller length is done, or if there were too many above a
+    /// greater one.
     pub fn find_peaks(&mut self, above: f64, deadline: Option<Deadline>) {
         if above <= self.no_peaks_above || self.peaks.as_ref().is_some_and(|peaks| peaks.above() <= above) {
             return;
@@ -194,11 +189,9 @@ impl<'a> Field<'a> {
         self.peaks.as_ref()
     }
 
-    /// Points of triangles that are farther than `limit` from the solid, at most `count`, sought by
-    /// at most `measurements` distances.
-    ///
-    /// This is branch and bound, as in [`protrusion`](mod@crate::fit::protrusion). The pieces of
-    /// a triangle whose middle is found are not searched, so that points are far apart.
+    /// At most `count` points of triangles that are farther than `limit` from the solid, by branch
+    /// and bound as in [`protrusion`](mod@crate::fit::protrusion). Triangles whose middle is found
+    /// are not divided, so that points are far apart.
     pub fn points_beyond(&self, triangles: &[[DVec3; 3]], limit: f64, count: usize, measurements: usize) -> Vec<DVec3> {
         let mut queue = BinaryHeap::new();
         let mut found = Vec::new();
@@ -263,7 +256,6 @@ impl<'a> Field<'a> {
         found
     }
 
-    /// Whether a point is inside the solid.
     fn is_inside(&self, p: DVec3) -> bool {
         match self.side(p) {
             Some((INSIDE, _)) => true,
@@ -279,10 +271,9 @@ impl<'a> Field<'a> {
     }
 }
 
-/// A triangle in the queue of a search.
 struct Piece {
     bound: f64,
-    /// Of pieces with the same bound, the one that was found first comes first.
+    /// Ties go to the piece found first.
     index: usize,
     /// A distance that exceeds its middle's.
     within: f64,
@@ -318,8 +309,6 @@ mod tests {
     use super::*;
     use crate::decompose::tests::point_set;
 
-    /// A mesh that is closed, one of which triangles are missing, and a sheet; compared with the
-    /// nearest triangle.
     #[test]
     fn points_are_beyond_if_the_nearest_triangle_is() {
         let seed = 8;

@@ -1,6 +1,6 @@
-//! Mergers of parts across a mirror plane, cheapest first: a part with its own image, and parts
-//! that are their own images with each other, or with another part and its image. What is merged is
-//! symmetric, so that the other parts keep their images.
+//! Mergers of parts across a mirror plane, cheapest first: a part with its image, or self-symmetric
+//! parts with each other or with a part and its image. Results are symmetric, so that other parts
+//! keep their images.
 
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -24,7 +24,6 @@ struct Unit {
 }
 
 impl Unit {
-    /// Number of parts.
     fn count(&self) -> usize {
         1 + usize::from(self.image.is_some())
     }
@@ -38,17 +37,14 @@ impl Unit {
     }
 }
 
-/// A merger of a unit with another, or of a part with its image.
 struct Merger {
-    /// The volume that it adds.
     cost: f64,
-    /// The hull of all.
     body: Body,
 }
 
 /// Merges parts of half a surface with their mirror images, under the conditions of
-/// [`join::merge`]. The parts of the result are their own images; those `mirrored` stand for their
-/// images, too. Both count in `wanted` and `fewest`.
+/// [`join::merge`]. Results are self-symmetric, and those in `mirrored` also stand for their
+/// images. Both count in `wanted` and `fewest`.
 ///
 /// # Complexity
 /// One hull for each pair of parts, including merged parts.
@@ -115,12 +111,10 @@ fn result(units: Vec<Option<Unit>>, fewest: usize, divided: usize) -> Found {
     Found { parts: parts(whole), mirrored: parts(own), fewest, divided }
 }
 
-/// The reflections of a body's points.
 fn images(body: &Body, mirror: &Mirror) -> Vec<DVec3> {
     body.points.iter().map(|p| mirror.image(*p)).collect()
 }
 
-/// Units that may be merged: a part with itself stands for its image.
 fn pairs(units: &[Option<Unit>]) -> impl Iterator<Item = (usize, usize)> + '_ {
     let has_image = |i: usize| units[i].as_ref().map(|unit| unit.image.is_some());
     let all = (0..units.len()).flat_map(|j| (0..=j).map(move |i| (i, j)));
@@ -132,12 +126,10 @@ fn pairs(units: &[Option<Unit>]) -> impl Iterator<Item = (usize, usize)> + '_ {
     })
 }
 
-/// The units of a merger, of which both may be the same.
 fn merged(units: &[Option<Unit>], (i, j): (usize, usize)) -> Vec<&Unit> {
     [i, j][..if i == j { 1 } else { 2 }].iter().filter_map(|i| units[*i].as_ref()).collect()
 }
 
-/// The merger of two units; `None` if a forbidden point is in its hull, or the time is over.
 fn merger(
     search: &PartitionSearch,
     units: &[Option<Unit>],
@@ -157,7 +149,6 @@ fn merger(
     is_free.then(|| Merger { cost: body.volume() - own.iter().map(|unit| unit.volume()).sum::<f64>(), body })
 }
 
-/// The union of two units, and of their images, whose hull is `body`.
 fn united(
     search: &PartitionSearch,
     units: &[Option<Unit>],

@@ -1,5 +1,4 @@
-//! Mergers of parts, cheapest first: while the merged hull stays within the limit, or until there
-//! are few enough parts.
+//! Mergers of parts, cheapest first, within the limit, until there are few enough parts.
 
 use std::collections::BTreeMap;
 
@@ -35,10 +34,9 @@ const FREE: f64 = 1e-4;
 /// Merged parts.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// The parts. There are at least as many as wanted, unless there are fewer without mergers or
-    /// after free mergers.
+    /// The parts: at least the wanted number, unless free mergers, or no mergers, leave fewer.
     pub parts: Vec<Part>,
-    /// Further parts, each of which stands for its mirror image, too.
+    /// Parts that also stand for their mirror images.
     pub mirrored: Vec<Part>,
     /// Number of parts to which they can be merged.
     pub fewest: usize,
@@ -46,21 +44,15 @@ pub struct Found {
     pub divided: usize,
 }
 
-/// A merger of two parts.
 struct Merger {
-    /// The volume that it adds.
     cost: f64,
-    /// The hull of both.
     body: Body,
 }
 
-/// Merges parts as long as merged parts are within the limit, and all parts overlap by at most
-/// `overlap` of their union's volume. The result has at least `wanted` parts, if there were as many
-/// without free mergers; the other mergers are only counted. None are merged if the result would be
-/// of no use; with a `mirror`, each part counts with its image.
-///
-/// # Complexity
-/// One hull for each pair of parts that are near each other, including merged parts.
+/// Merges parts while merged parts are within the limit and all parts overlap by at most `overlap`
+/// of their union's volume. Other than free mergers stop at `wanted` parts; further ones are only
+/// counted. Nothing is merged if the result would be unusable; with a `mirror`, each part counts
+/// with its image. Builds one hull for each pair of nearby parts, including merged parts.
 pub fn merge(
     search: &PartitionSearch,
     parts: Vec<Part>,
@@ -125,15 +117,14 @@ pub fn merge(
     Found { parts, mirrored: Vec::new(), fewest: count, divided }
 }
 
-/// Whether a merger adds hardly any volume to its parts.
+/// Whether a merger adds next to no volume to its parts.
 pub fn is_free(cost: f64, body: &Body) -> bool {
     cost <= FREE * body.volume()
 }
 
-/// A number of parts that are left after any mergers; with a `mirror`, of parts and their images.
-/// It is the size of a clique of parts no two of which can be merged, because a point beyond the
-/// limit lies in the hull of both, and so in every hull that contains both. 0 if no more than this
-/// are useful anyway, or if the time is over.
+/// A number of parts that are left after any mergers; with a `mirror`, of parts and their images:
+/// the size of a clique of parts no two of which can be merged, because a point beyond the limit
+/// lies in their common hull. 0 if no more than this are useful, or after the deadline.
 fn needed(
     search: &PartitionSearch,
     parts: &[Option<Part>],
@@ -161,7 +152,6 @@ fn needed(
     large_clique(total, are_in_conflict)
 }
 
-/// Pairs of parts whose boxes are at most `gap` apart.
 fn near_pairs(parts: &[Option<Part>], gap: f64) -> impl Iterator<Item = (usize, usize)> + '_ {
     let gap = DVec3::splat(gap);
     let bodies: Vec<(usize, &Body)> =
@@ -173,7 +163,6 @@ fn near_pairs(parts: &[Option<Part>], gap: f64) -> impl Iterator<Item = (usize, 
     })
 }
 
-/// The merger of two parts; `None` if a forbidden point is in its hull, or the time is over.
 fn merger(
     search: &PartitionSearch,
     parts: &[Option<Part>],
@@ -191,7 +180,6 @@ fn merger(
     })
 }
 
-/// The union of two pieces, whose hull is `body`.
 fn united(search: &PartitionSearch, a: &Piece, b: &Piece, body: &Body) -> Piece {
     let holds = |plane: &&HalfSpace| body.points.iter().all(|p| plane.height(*p) <= search.scale.tolerance());
     let planes = a.planes.iter().chain(&b.planes).filter(holds).copied().collect();
@@ -202,9 +190,7 @@ fn united(search: &PartitionSearch, a: &Piece, b: &Piece, body: &Body) -> Piece 
 /// less the volume of the union.
 #[derive(Clone, Copy, Debug)]
 pub struct Overlap {
-    /// Sum of the volumes.
     volume: f64,
-    /// Sum of the volumes that pairs have in common.
     common: f64,
     /// The volume that they may have in common, relative to the volume of the union.
     allowed: f64,
@@ -219,8 +205,7 @@ impl Overlap {
         Self { volume: bodies.iter().map(|body| body.volume()).sum(), common, allowed }
     }
 
-    /// The overlap after `own` bodies are replaced by `merged`; `None` if that is more than before,
-    /// and more than allowed.
+    /// The overlap after `own` bodies become `merged`; `None` if it grows beyond what is allowed.
     pub fn after<'a>(&self, own: &[&Body], merged: &Body, others: impl Iterator<Item = &'a Body>) -> Option<Self> {
         let mut after = *self;
         for (i, body) in own.iter().enumerate() {
@@ -241,7 +226,6 @@ impl Overlap {
     }
 }
 
-/// The volume that two bodies have in common, from the share of evenly spread points.
 fn common_volume(a: &Body, b: &Body) -> f64 {
     let (low, high) = (a.low.max(b.low), a.high.min(b.high));
     let size = high - low;

@@ -2,24 +2,6 @@
 //! of none protrudes from the solid by more than a limit. The hulls contain the whole surface. Both
 //! are proven: `fit/coverage.rs` certifies the cover, and `fit/protrusion.rs` the protrusion.
 //!
-//! | file | concept |
-//! |---|---|
-//! | [`cells`] | small pieces of the surface, so that few points are handled |
-//! | [`field`] | which points are too far from the solid |
-//! | [`piece`] | pieces of the surface, and how planes divide them |
-//! | [`cuts`] | the plane that divides a piece |
-//! | [`conflicts`] | pairs of points that must not be in the same part; how many parts are needed |
-//! | [`clique`] | items of which any two are in conflict |
-//! | [`peel`] | caps that are cut off a piece, one after the other |
-//! | [`join`] | mergers of parts |
-//! | [`surface`], [`halves`] | the surface, or half of it; mergers across its mirror plane |
-//! | [`symmetric`] | hulls that are their own mirror images |
-//! | [`context`] | what all steps share |
-//! | [`shape`] | final hulls of pieces |
-//! | [`wrap`](mod@wrap) | hulls of few planes around a piece, proven |
-//! | [`few`] | hulls of few vertices, however far they protrude |
-//! | [`body`], [`extremes`], [`sample`] | trial hulls, farthest points, points on faces |
-//!
 //! # Steps
 //! 1. Clip the mesh's triangles into cells whose hulls stay near the solid.
 //! 2. Find points that are too far from the solid: evenly spread ones, and ones beside the surface.
@@ -27,18 +9,17 @@
 //! 3. A piece whose hull contains no forbidden point, and is proven, is a part. Divide any other
 //!    piece by the plane that leaves the fewest conflicts and forbidden points within both sides,
 //!    and go on with the connected components of the sides.
-//! 4. Where that gives a few parts, but more than a lower bound, peel the piece, too, and take what
-//!    has fewer parts.
-//! 5. Merge parts as long as the merged hull is proven, and hardly overlaps other parts; unless
-//!    there are more parts than useful of which no two can be merged.
+//! 4. Where that gives a few parts, but more than a lower bound, also peel the piece, and take the
+//!    fewer parts.
+//! 5. Merge parts as long as the merged hull is proven, and barely overlaps other parts; unless too
+//!    many parts to be useful are mutually unmergeable.
 //!
 //! # Why the bounds hold
-//! - The pieces are clipped triangles, and together they are the whole surface. A hull of all
-//!   corners of a piece contains the piece. Hulls are rounded outward, and tests check that they
-//!   contain all corners.
-//! - Each hull's protrusion is bounded by [`protrusion`](mod@crate::fit::protrusion). It measures
-//!   the f32 vertices that are stored.
-//! - Hulls of pieces on two sides of a plane do not overlap, except by what simplification adds.
+//! - The pieces are clipped triangles, which together are the surface. A hull of a piece's corners,
+//!   rounded outward, contains the piece.
+//! - [`protrusion`](mod@crate::fit::protrusion) bounds each hull's protrusion, measured from the
+//!   stored f32 vertices.
+//! - Hulls on two sides of a plane overlap only by what simplification adds.
 //!
 //! # Complexity
 //! O(n log n) for the cells of n triangles. The rest depends on the number of cells, which exceeds
@@ -82,8 +63,7 @@ use wrap::Bounds;
 
 use crate::{decompose::patch::Patch, progress::Stage};
 
-/// Share of the limit that a cell's hull may protrude, as far as samples show. Smaller cells take
-/// longer.
+/// Share of the limit that a cell's hull may protrude at samples. Smaller cells take longer.
 const CELL_SHARE: f64 = 0.08;
 
 /// Share of the limit that no cell's hull may exceed, proven.
@@ -95,7 +75,6 @@ const RESERVE: f64 = 0.94;
 /// Number of cells above which cells are cut only where necessary.
 const MAX_CELLS: usize = 3000;
 
-/// Maximum number of cuts that lead to a piece. Then its polygons become parts.
 const MAX_DEPTH: u32 = 40;
 
 /// Number of parts of a piece up to which it is peeled, too.
@@ -116,11 +95,11 @@ pub struct PartitionLimits<'a> {
     pub useful: Option<Useful>,
     /// Number of parts down to which they are merged, where they can be.
     pub wanted: usize,
-    /// Whether pieces are peeled, too, which takes longer and may give fewer parts.
+    /// Whether pieces are also peeled, which takes longer and may give fewer parts.
     pub peels: bool,
 }
 
-/// Numbers of parts above which a result is of no use.
+/// Numbers of parts above which a result is unusable.
 #[derive(Clone, Copy, Debug)]
 pub struct Useful {
     /// Number of parts.
@@ -131,10 +110,9 @@ pub struct Useful {
 
 /// Parts that together contain a surface; of half a surface, with their mirror images.
 ///
-/// Without a deadline, the result depends on the surface and the limits only. In the worst case, a
-/// part is one thickened polygon of the surface. When the deadline passes, what is not divided yet
-/// becomes parts, whose bounds are infinite. `None` if there are not even cells, or if there are
-/// too many parts before mergers for the result to be useful.
+/// Without a deadline, the result depends on the surface and the limits only. In the worst case,
+/// each polygon becomes a part, thickened. After the deadline, undivided pieces become parts with
+/// infinite bounds. `None` without cells, or with too many parts before mergers.
 pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) -> Option<Found> {
     let triangles = &surface.triangles;
     field.find_peaks(limits.bounds.limit * HARD_SHARE, limits.bounds.deadline);
@@ -168,9 +146,8 @@ pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) ->
     Some(halves::merge(&search, found, mirror, &mut forbidden, overlap, wanted))
 }
 
-/// Divides parts further, as long as there are at most `count`: those that protrude much from a
-/// large surface first, until each is within the limit of `bounds`. A part that would become too
-/// many stays as it is.
+/// Divides parts further, up to `count` in all: those that protrude much from a large surface
+/// first, until each is within the limit of `bounds`. A part that would become too many is kept.
 pub fn divided_further(
     surface: &Surface,
     field: &mut Field,
@@ -203,8 +180,8 @@ pub fn divided_further(
     parts.into_iter().flat_map(further).collect()
 }
 
-/// At most `count` parts, whose bounds are not known: the hulls of what the surface is halved into,
-/// each time in the middle of the longest side. They take hardly more time than the mesh's hull.
+/// At most `count` parts with unknown bounds, for about the time of the mesh's hull: the surface is
+/// halved in the middle of its longest side.
 pub fn halved(surface: &Surface, bounds: &Bounds, count: usize) -> Vec<Part> {
     let scale = Scale { limit: bounds.limit, diagonal: bounds.diagonal };
     let polygons = surface.triangles.iter().map(|triangle| triangle.to_vec()).collect();
@@ -283,7 +260,6 @@ fn divided(
     if search.peels && is_peeled(&best) { Some(peeled(search, &piece, best, needed)) } else { Some(best) }
 }
 
-/// The parts of several pieces.
 fn all_divided(
     search: &PartitionSearch,
     pieces: Vec<Piece>,
@@ -305,7 +281,6 @@ fn all_divided(
     Some(parts)
 }
 
-/// Both sides of the plane that divides a piece best; `None` if no plane does.
 fn halves(search: &PartitionSearch, piece: &Piece, conflicts: Option<&Conflicts>) -> Option<[Piece; 2]> {
     let plane = match conflicts {
         Some(conflicts) => cuts::best_plane(search, piece, &search.scale.neighbours(&piece.atoms), conflicts)?,
@@ -329,7 +304,7 @@ fn peeled(search: &PartitionSearch, piece: &Piece, best: Vec<Part>, needed: usiz
     let directions = cuts::directions(piece).map(Along::One);
     for along in [Along::All].into_iter().chain(directions) {
         let most = best.len() - 1;
-        // What is not a part takes two at least.
+        // A piece that is not a part takes two at least.
         if most < needed.max(2) {
             break;
         }
@@ -340,7 +315,7 @@ fn peeled(search: &PartitionSearch, piece: &Piece, best: Vec<Part>, needed: usiz
     best
 }
 
-/// Parts of a piece that cannot be divided: of its polygons. A single polygon protrudes nowhere.
+/// One part for each polygon, none of which protrudes.
 fn of_polygons(search: &PartitionSearch, piece: &Piece) -> Vec<Part> {
     let Bounds { diagonal, max_vertices, .. } = search.bounds;
     let polygons = piece.atoms.iter().flat_map(|atom| &atom.patch.polygons);

@@ -25,7 +25,7 @@ const TRIED: usize = 6;
 const ENOUGH_TO_TELL: usize = 3;
 
 /// Peeling stops when the estimated number of caps exceeds the allowed number by this factor.
-const HOPELESS: f64 = 1.2;
+const MAX_EXCESS: f64 = 1.2;
 
 /// The directions in which caps are cut off.
 #[derive(Clone, Copy, Debug)]
@@ -56,14 +56,14 @@ pub fn peel(search: &PartitionSearch, piece: &Piece, along: Along, most: usize) 
         if bad.is_empty() {
             return (found.len() <= most).then_some(found);
         }
-        // What is not fine takes two parts at least.
+        // Each remaining piece takes at least two parts.
         if found.len() + 2 * bad.len() > most {
             return None;
         }
         // The largest caps come first, so the rest takes more parts than its area suggests.
         let area = |pieces: &[Piece]| pieces.iter().map(Piece::area).sum::<f64>();
         let (done, left) = (area(&found), area(&bad));
-        if found.len() >= ENOUGH_TO_TELL && found.len() as f64 * (done + left) > HOPELESS * most as f64 * done {
+        if found.len() >= ENOUGH_TO_TELL && found.len() as f64 * (done + left) > MAX_EXCESS * most as f64 * done {
             return None;
         }
         rest = bad.into_iter().flat_map(|piece| piece.atoms).collect();
@@ -91,7 +91,6 @@ pub fn peel(search: &PartitionSearch, piece: &Piece, along: Along, most: usize) 
     }
 }
 
-/// A search for the largest cap across a direction, between two heights.
 struct Line {
     normal: DVec3,
     low: f64,
@@ -101,7 +100,6 @@ struct Line {
     /// The lowest position that gives a cap, and the highest that gives none, from the top.
     good: usize,
     bad: usize,
-    /// The largest cap so far.
     best: Option<Cap>,
     /// Upper bound on the mean area of a cap's components.
     most: f64,
@@ -172,8 +170,6 @@ impl<'a> Caps<'a> {
         }
     }
 
-    /// The mean area of the components above a plane; `None` if they are not caps, or the time is
-    /// over.
     fn area(&self, plane: &HalfSpace) -> Option<f64> {
         let scale = &self.search.scale;
         if self.search.is_over() {
@@ -187,7 +183,6 @@ impl<'a> Caps<'a> {
         Some(components.iter().map(|component| component.area).sum::<f64>() / components.len() as f64)
     }
 
-    /// Halves what is left of a line.
     fn halve(&self, line: &mut Line) {
         let middle = (line.good + line.bad) / 2;
         let plane = line.plane(middle);
@@ -223,7 +218,6 @@ mod tests {
     use super::*;
     use crate::decompose::partition::cuts::tests::{gear, with_search};
 
-    /// Compared with a search of all lines to their ends.
     #[test]
     fn caps_come_by_size() {
         let (mut found, mut open) = (0, 0);

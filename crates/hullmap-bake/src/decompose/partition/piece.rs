@@ -108,7 +108,6 @@ impl<'a> Cloud<'a> {
         Self { count: points.len(), groups: vec![Group::Rest(points)] }
     }
 
-    /// The points of whole atoms.
     fn of_atoms(atoms: &'a [Arc<Atom>]) -> Self {
         let mut cloud = Self::default();
         atoms.iter().for_each(|atom| cloud.push(Group::Atom(atom)));
@@ -137,7 +136,6 @@ impl<'a> Cloud<'a> {
         self.groups.iter().flat_map(|group| group.points().iter().copied())
     }
 
-    /// Their hull. A flat one is thickened.
     fn body(&self, thickness: f64, extremes: impl FnOnce() -> Extremes) -> Body {
         if self.count < MANY {
             return Body::of_outer_points(self.points(), thickness);
@@ -152,7 +150,7 @@ impl<'a> Cloud<'a> {
     }
 }
 
-/// What lies above a plane and is connected.
+/// A connected piece above a plane.
 pub struct Above<'a> {
     /// Its corners.
     pub points: Cloud<'a>,
@@ -199,19 +197,18 @@ impl Scale {
             return true;
         }
         let is_free = |body: &Body| !near.iter().any(|p| self.is_inside(body, *p));
-        // What is in a smaller hull is in the hull, too.
+        // A smaller hull's points are in the hull, too.
         is_free(&self.body(&extremes.few_points()))
             && (points.count < ROUGH || is_free(&self.body(&extremes.points())))
             && is_free(&points.body(THICKNESS * self.diagonal, || extremes))
     }
 
-    /// A body that lies in the hull of points and is nearly as large, for comparisons of trials.
-    /// `None` if it would be the hull.
+    /// A body in the hull of points that is nearly as large. `None` if it would be the hull.
     pub fn rough_body(&self, points: &Cloud) -> Option<Body> {
         (points.count >= ROUGH).then(|| self.body(&points.extremes().points()))
     }
 
-    /// A piece. Of the points `forbidden`, those inside its hull stay forbidden.
+    /// A piece. The points among `forbidden` that are inside its hull stay forbidden.
     pub fn piece(&self, atoms: Vec<Arc<Atom>>, planes: Vec<HalfSpace>, forbidden: &[DVec3]) -> Piece {
         let body = self.body_of_atoms(&atoms);
         let forbidden = forbidden.iter().copied().filter(|p| self.is_inside(&body, *p)).collect();
@@ -265,8 +262,7 @@ impl Scale {
         lists.into_iter().map(|list| list.into_iter().map(|i| Arc::clone(&atoms[i as usize])).collect()).collect()
     }
 
-    /// For each atom, the number of its connected component above a plane; `u32::MAX` if it is
-    /// below.
+    /// For each atom, the index of its connected component above a plane, or `u32::MAX` below it.
     pub fn components_above(&self, atoms: &[Arc<Atom>], near: &[Vec<u32>], plane: &HalfSpace) -> Vec<u32> {
         let is_above: Vec<bool> = atoms.iter().map(|atom| heights(atom, plane).1 > self.tolerance()).collect();
         let mut component = vec![u32::MAX; atoms.len()];
@@ -323,7 +319,6 @@ fn heights(atom: &Atom, plane: &HalfSpace) -> (f64, f64) {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)))
 }
 
-/// The corners of a polygon above a plane, and the corners of its cut.
 fn collect_above(polygon: &[DVec3], plane: &HalfSpace, points: &mut Vec<DVec3>) {
     for (k, p) in polygon.iter().enumerate() {
         let q = polygon[(k + 1) % polygon.len()];
@@ -337,7 +332,6 @@ fn collect_above(polygon: &[DVec3], plane: &HalfSpace, points: &mut Vec<DVec3>) 
     }
 }
 
-/// The connected components of some of the numbers, of which each has neighbours.
 fn connected(near: &[Vec<u32>], is_in: &[bool]) -> Vec<Vec<u32>> {
     let mut is_left = is_in.to_vec();
     let mut found = Vec::new();
@@ -364,7 +358,6 @@ mod tests {
     use super::*;
     use crate::decompose::tests::point_set;
 
-    /// Compared with the hull of all points.
     #[test]
     fn bodies_of_clouds_are_those_of_their_points() {
         let seed = 6;

@@ -34,11 +34,8 @@ pub fn face_points(body: &Body, count: usize, spacing: f64) -> Vec<DVec3> {
     found
 }
 
-/// At most `count` of the points, each as far as possible from those before it. Of many points,
-/// evenly chosen ones are used.
-///
-/// # Complexity
-/// O(n + `count`) for n points.
+/// At most `count` of the points, each as far as possible from those before it, in O(n + `count`).
+/// Many points are thinned evenly.
 pub fn far_apart(points: &[DVec3], count: usize) -> Vec<DVec3> {
     let stride = points.len().div_ceil(USED).max(1);
     let mut left: Vec<(f64, DVec3)> = points.iter().step_by(stride).map(|p| (f64::INFINITY, *p)).collect();
@@ -55,7 +52,6 @@ pub fn far_apart(points: &[DVec3], count: usize) -> Vec<DVec3> {
     found
 }
 
-/// Halves of a triangle, cut at the middle of its longest edge.
 fn halves([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 2] {
     let (ab, bc, ca) = (a.distance_squared(b), b.distance_squared(c), c.distance_squared(a));
     if ab >= bc && ab >= ca {
@@ -70,8 +66,7 @@ fn halves([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 2] {
     }
 }
 
-/// Points spread over triangles, about one for each `area` of them, each with the index of its
-/// triangle.
+/// About one point for each `area` of the triangles, each with the index of its triangle.
 pub fn spread_points(triangles: impl Iterator<Item = [DVec3; 3]>, area: f64) -> Vec<(usize, DVec3)> {
     let mut found = Vec::new();
     let mut owed = 0.5;
@@ -90,5 +85,4 @@ pub fn spread_points(triangles: impl Iterator<Item = [DVec3; 3]>, area: f64) -> 
     found
 }
 
-/// Maximum number of points of a triangle.
 const MOST: f64 = 1e5;

@@ -1,15 +1,15 @@
-//! Hulls of pieces: while pieces are sought, any hull that can be proven; in the end a tight one.
+//! Hulls of pieces: any proven hull during the search, and a tight one in the end.
 //!
 //! # Steps
 //! 1. Take the hull of the piece's surface. Simplify it by a small share of the limit.
 //! 2. If it has too many vertices, bound it by few planes, or simplify it to the allowed number.
 //!    Where that gives a much larger hull, which extends into the solid, cut it as in step 4. A
 //!    piece whose hull is still too large is divided further.
-//! 3. Cut it by the planes that it should not exceed: of large flat faces, of the cuts between
-//!    pieces, and of large faces of the mesh's hull. So those faces stay flat, and pieces apart.
-//! 4. If there are too many vertices, cut the hull of step 2 by planes of the piece's faces, as far
-//!    as the number of vertices allows. Also cut it further, and simplify the result. Of these
-//!    hulls and the simplified one, take the smallest that is proven.
+//! 3. Cut it by planes that keep faces flat and pieces apart: of large flat faces, of the cuts
+//!    between pieces, and of large faces of the mesh's hull.
+//! 4. With too many vertices, cut the hull of step 2 by planes of the piece's faces as far as the
+//!    number of vertices allows; also cut it further, and simplify the result. Take the smallest
+//!    proven hull of these and the simplified one.
 
 use std::f64::consts::TAU;
 
@@ -31,18 +31,16 @@ use crate::{
 /// Distance by which a simplified hull may exceed the tight one, relative to the limit.
 const LOOSE: f64 = 0.002;
 
-/// Maximum number of measurements by which a point of a hull is sought that is too far from the
-/// solid.
+/// Maximum number of measurements to find a point of a hull that is too far from the solid.
 const REFUTING: usize = 20_000;
 
 /// Numbers of vertices up to which a hull is cut before it is simplified to the allowed number,
 /// relative to the latter. Many cuts remove much volume, and simplification takes some of it back.
 const CUT: [f64; 3] = [1.25, 1.5, 2.0];
 
-/// Maximum number of planes by which a hull is cut.
 const MAX_CUTS: usize = 48;
 
-/// Number of cuts that give too many vertices after which no more are tried.
+/// Number of cuts with too many vertices after which no more are tried.
 const MAX_MISSES: usize = 6;
 
 /// Height above a piece up to which a vertex is not cut off, relative to the limit.
@@ -58,7 +56,7 @@ const FLAT: f64 = 2e-6;
 /// to f32 moves a vertex.
 const ROOM: f64 = 5e-7;
 
-/// The same, relative to the greatest coordinate.
+/// Additional distance, relative to the greatest coordinate.
 const ROUNDING: f64 = 2.2e-7;
 
 /// A part of a partition.
@@ -142,7 +140,6 @@ pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bound
     cuts.trimmed(field, &tight, &part.hull).map_or_else(|| part.hull.clone(), |(hull, _)| hull)
 }
 
-/// A hull with another number of vertices around a hull.
 fn simplified(hull: &Hull, limit: Limit) -> Option<Hull> {
     Some(simplify::simplify(hull, limit).ok().flatten()?.hull)
 }
@@ -151,8 +148,8 @@ fn volume(hull: &Hull) -> f64 {
     Body::new(&hull.positions(), 0.0).volume()
 }
 
-/// Whether a hull is larger than its body would be if that were moved outward by the limit, by
-/// Steiner's formula. It extends into the solid then, where it may overlap other parts.
+/// Whether a hull is larger than its body moved outward by the limit, by Steiner's formula. It then
+/// extends into the solid, where it may overlap other parts.
 fn is_swollen(hull: &Hull, body: &Body, Bounds { limit, .. }: &Bounds) -> bool {
     let area: f64 = body.areas.iter().sum();
     // The mean width is at most the diagonal.
@@ -166,7 +163,6 @@ pub fn large_faces(body: &Body) -> impl Iterator<Item = HalfSpace> {
     body.planes.iter().zip(&body.areas).filter(move |(_, area)| **area >= LARGE * total).map(|(plane, _)| *plane)
 }
 
-/// Planes by which a hull around a body is cut.
 struct Cuts<'a> {
     body: &'a Body,
     /// Planes that no hull shall exceed.
@@ -180,8 +176,7 @@ impl Cuts<'_> {
         ROOM * self.bounds.diagonal + ROUNDING * greatest
     }
 
-    /// Of the hulls of step 4, the smallest that is proven, and its bound; `None` if none is
-    /// smaller than the `proven` one. `tight` is the hull of the body.
+    /// The smallest proven hull of step 4, with its bound, if it is smaller than `proven`.
     fn trimmed(&self, field: &Field, tight: &Hull, proven: &Hull) -> Option<(Hull, f64)> {
         let simple = self.allowed(tight).map(|hull| self.flattened(hull));
         let cut_further = |share: &f64| {
@@ -200,19 +195,16 @@ impl Cuts<'_> {
         found.into_iter().find_map(|(_, hull)| proof(&hull).ok().map(|bound| (hull, bound)))
     }
 
-    /// A hull with the allowed number of vertices around a hull.
     fn allowed(&self, hull: &Hull) -> Option<Hull> {
         let found = simplified(hull, Limit::Vertices(self.bounds.max_vertices));
         found.filter(|hull| hull.vertices.len() <= self.bounds.max_vertices)
     }
 
-    /// How far points exceed a plane.
     fn excess(points: &[DVec3], plane: &HalfSpace) -> f64 {
         points.iter().map(|p| plane.height(*p)).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// A hull cut by the planes that it exceeds, the most exceeded first, as far as the number of
-    /// vertices allows.
+    /// A hull cut by the planes that it exceeds most, as far as the number of vertices allows.
     fn flattened(&self, hull: Hull) -> Hull {
         self.cut(hull, |points| {
             let excess = |plane: &HalfSpace| Self::excess(points, plane);
@@ -243,7 +235,6 @@ impl Cuts<'_> {
         })
     }
 
-    /// A hull cut by planes, of which `wanted` names the best for its points.
     fn cut(&self, hull: Hull, wanted: impl Fn(&[DVec3]) -> Vec<HalfSpace>) -> Hull {
         let mut points = hull.positions();
         let mut planes = planes::half_spaces(&hull);

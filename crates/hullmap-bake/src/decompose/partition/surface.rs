@@ -1,5 +1,4 @@
-//! The surface that parts must contain: a mesh's, or the half of it on one side of its mirror
-//! plane.
+//! The surface that parts must contain: a mesh's, or half of it.
 
 use glam::DVec3;
 
@@ -26,8 +25,7 @@ impl Surface {
         Self { triangles, mirror: None }
     }
 
-    /// The half of the surface on the own side of a mirror; `diagonal` is the diagonal of the whole
-    /// mesh.
+    /// The half on the mirror's own side; `diagonal` belongs to the whole mesh.
     pub fn halved(self, mirror: Mirror, diagonal: f64) -> Self {
         let own = mirror.plane.opposite();
         let half = |triangle: &[DVec3; 3]| {

@@ -1,8 +1,7 @@
 //! Hulls that are their own mirror images, and hulls that also contain what rounding moved.
 //!
-//! A hull of a symmetric piece need not be symmetric: it may have been simplified, or cut. Its half
-//! on one side of the mirror and the image of that half have a hull that is, and that contains the
-//! piece.
+//! Simplification and cuts may leave an asymmetric hull around a symmetric piece. Its half on one
+//! side of the mirror and the image of that half have a symmetric hull that contains the piece.
 
 use glam::DVec3;
 

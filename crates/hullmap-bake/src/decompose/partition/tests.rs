@@ -12,8 +12,7 @@ fn limits(limit: f64, solid: &Solid) -> PartitionLimits<'static> {
     PartitionLimits { bounds, overlap: 0.05, useful: None, wanted: 1, peels: true }
 }
 
-/// Searches, and checks both promises by other means: the certified cover, and random points of the
-/// parts.
+/// Searches, and checks both promises: by the certified cover, and at random points of the parts.
 fn checked(mesh: &PointSet, share: f64) -> Vec<Part> {
     let solid = Solid::new(mesh);
     let limit = share * solid.diagonal();
@@ -30,7 +29,6 @@ fn checked(mesh: &PointSet, share: f64) -> Vec<Part> {
             let weights: Vec<f64> = points.iter().map(|_| -libm::log(rng.between(1e-9, 1.0))).collect();
             let total: f64 = weights.iter().sum();
             let p: DVec3 = points.iter().zip(&weights).map(|(p, w)| *p * (w / total)).sum();
-            // Near the border, too.
             let q = p + (points[rng.below(points.len())] - p) * rng.between(0.0, 1.0);
             assert!([p, q].iter().all(|p| solid.distance(*p) <= limit * (1.0 + 1e-9)));
         }
@@ -84,7 +82,6 @@ fn parts_are_the_same_at_any_number_of_threads() {
     assert!([2, 16].into_iter().all(|threads| of_threads(threads) == one));
 }
 
-/// The parts of a mesh, which cover it.
 fn covering(mesh: &PointSet, cover: Cover) -> Vec<Hull> {
     let parts = decompose(mesh, &cover).unwrap().unwrap();
     let hulls: Vec<Hull> = parts.iter().map(|part| crate::hull::build(part).unwrap()).collect();
@@ -93,7 +90,6 @@ fn covering(mesh: &PointSet, cover: Cover) -> Vec<Hull> {
     hulls
 }
 
-/// Five blocks in the shape of an L in a row, and a triangle without area.
 fn blocks() -> PointSet {
     let block = point_set(&concave::l());
     let mut all = PointSet::default();
@@ -123,7 +119,6 @@ fn any_number_of_parts_is_reached() {
         for max_parts in [1, 2, 3, 6] {
             let found = covering(mesh, Cover { max_parts: Some(max_parts), ..Cover::default() });
             assert!((1..=max_parts as usize).contains(&found.len()), "{} of {max_parts}", found.len());
-            // More parts are not much worse.
             let reached = protrusion(mesh, &found);
             assert!(reached <= 1.1 * least, "{max_parts} parts: {reached}, fewer: {least}");
             least = least.min(reached);
@@ -131,8 +126,7 @@ fn any_number_of_parts_is_reached() {
     }
 }
 
-/// Regression: mergers ended at the maximum, and an L had three parts. Parts that are convex
-/// together are no tighter apart.
+/// Regression: mergers ended at the maximum, and an L had three parts.
 #[test]
 fn no_more_parts_are_used_than_help() {
     let mesh = point_set(&concave::l());
@@ -152,7 +146,6 @@ fn any_number_of_parts_is_reached_from_a_small_error() {
     assert_eq!(covering(&mesh, cover).len(), 2);
 }
 
-/// More parts never fit worse, up to the accuracy of the bounds.
 #[test]
 fn more_parts_are_used_where_they_help() {
     let mesh = point_set(&concave::horseshoe(24));
@@ -187,7 +180,6 @@ fn a_search_without_time_ends_with_halves() {
     assert_eq!(two.len(), 2);
 }
 
-/// Whenever the time ends, there are parts, and they cover the mesh.
 #[test]
 fn a_search_may_end_at_any_time() {
     let mesh = point_set(&concave::mug(24));
@@ -207,7 +199,6 @@ fn no_part_has_more_vertices_than_allowed() {
         let ball = Mesh { vertices: shapes::families::Family::Sphere.points(points, 1), ..Mesh::default() };
         let hull = crate::hull::build(&point_set(&ball)).unwrap();
         assert!(hull.vertices.len() > max_vertices as usize, "the sample is not representative");
-        // A ball and a smaller one beside it: cells with many vertices.
         let mut mesh = PointSet { positions: hull.vertices.clone(), ..PointSet::default() };
         let count = mesh.positions.len() as u32;
         let fan = |face: &Vec<u32>| (1..face.len() - 1).map(|i| [face[0], face[i], face[i + 1]]).collect::<Vec<_>>();

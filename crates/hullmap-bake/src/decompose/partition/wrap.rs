@@ -25,10 +25,8 @@ use crate::hull::{
 use crate::progress::Stage;
 use crate::simplify;
 
-/// Maximum number of planes that are added.
 const MAX_STEPS: usize = 200;
 
-/// Maximum number of proofs.
 const MAX_PROOFS: usize = 24;
 
 /// Maximum number of measurements of a proof.
@@ -37,10 +35,10 @@ pub const MEASUREMENTS: usize = 100_000;
 /// Share of the limit that measured points may use; the rest is for the proof.
 const PLANNED: f64 = 0.975;
 
-/// Maximum number of points that are sought after a proof has failed.
+/// Maximum number of points that are searched for after a proof has failed.
 const REFUTED: usize = 12;
 
-/// Maximum number of distances by which they are sought.
+/// Maximum number of distances by which they are searched for.
 const REFUTING: usize = 400;
 
 /// Number of vertices above which a hull is not simplified, relative to the allowed number.
@@ -64,7 +62,7 @@ pub const ROUNDING: f64 = 1.1e-7;
 /// Distance from a hull up to which it counts as containing a point, relative to the diagonal.
 const HELD: f64 = 2e-13;
 
-/// The same, relative to the greatest coordinate: the rounding error of a height above a plane.
+/// Additional distance, relative to the greatest coordinate, for rounding of heights.
 const HELD_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Limits of a hull.
@@ -94,8 +92,7 @@ impl Bounds<'_> {
 /// Proves that a hull is within the limit by at most `measurements`, and returns the bound.
 ///
 /// # Errors
-/// A point of the hull that is too far from the solid; `None` if the measurements do not decide, or
-/// if the time is over.
+/// A point of the hull that is too far from the solid; `None` if undecided.
 pub fn prove(field: &Field, hull: &Hull, bounds: &Bounds, measurements: usize) -> Result<f64, Option<DVec3>> {
     let usual = Accuracy::decide(bounds.limit);
     let measurements = measurements.min(usual.measurements);
@@ -105,8 +102,7 @@ pub fn prove(field: &Field, hull: &Hull, bounds: &Bounds, measurements: usize) -
     if found.bound <= bounds.limit { Ok(found.bound) } else { Err((found.reached > bounds.limit).then_some(found.at)) }
 }
 
-/// The points, moved apart so that their hull is at least about `thickness` thick in all
-/// directions.
+/// The points, moved apart to a hull about `thickness` thick in all directions.
 fn thickened(points: &[DVec3], thickness: f64) -> Vec<DVec3> {
     let mut points = points.to_vec();
     // A hull of some of the points is no thicker.
@@ -125,7 +121,6 @@ fn thickened(points: &[DVec3], thickness: f64) -> Vec<DVec3> {
     points
 }
 
-/// The direction across the faces of the points' hull in which it is thinnest, and its width.
 fn thinnest(points: &[DVec3]) -> (DVec3, f64) {
     if points.is_empty() {
         return (DVec3::X, f64::INFINITY);
@@ -145,8 +140,8 @@ fn thinnest(points: &[DVec3]) -> (DVec3, f64) {
     }
 }
 
-/// The hull of `points`, rounded to f32 so that it contains all of them. If it is thinner than
-/// `thickness`, it is made that thick, because only a solid has an inside.
+/// The hull of `points`, rounded outward to f32. A thinner one is made `thickness` thick, because
+/// only a solid has an inside.
 pub fn tight(points: &[DVec3], diagonal: f64, thickness: f64) -> Option<Hull> {
     let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
     let thick = thickened(points, thickness);
@@ -187,7 +182,6 @@ pub fn thick(field: &Field, hull: Hull, bounds: &Bounds) -> Hull {
     thick.filter(|thick| prove(field, thick, bounds, MEASUREMENTS).is_ok()).unwrap_or(hull)
 }
 
-/// The f32 points of the box around a point: their hull contains it.
 fn around(p: DVec3) -> Vec<[f32; 3]> {
     let sides = p.to_array().map(|x| {
         let near = x as f32;
@@ -303,8 +297,8 @@ pub fn of_polygon(polygon: &[DVec3], diagonal: f64, thickness: f64, max_vertices
     found
 }
 
-/// The vertices of an intersection of half-spaces, of which `middle` is an inner point; `None` if
-/// it reaches farther than `reach` from there. Of vertices closer than `distance`, one is kept.
+/// The vertices of an intersection of half-spaces around the inner point `middle`, at least
+/// `distance` apart; `None` if it reaches farther than `reach`.
 pub fn polytope(planes: &[HalfSpace], middle: DVec3, reach: f64, distance: f64) -> Option<Vec<DVec3>> {
     let mut dual: Vec<DVec3> =
         planes.iter().map(|plane| plane.normal / (plane.offset - plane.normal.dot(middle))).collect();
@@ -338,7 +332,6 @@ struct Faces<'a> {
     bounds: &'a Bounds<'a>,
     middle: DVec3,
     room: f64,
-    /// Points that a proof found to be too far.
     refuted: Vec<DVec3>,
 }
 
@@ -384,7 +377,7 @@ impl Faces<'_> {
         polytope(&moved, self.middle, reach, 0.4 * self.room)
     }
 
-    /// Of the points of the polytope that are too far from the solid, the farthest from the body.
+    /// The point of the polytope farthest from the body among those too far from the solid.
     fn too_far(&self, planes: &[HalfSpace], vertices: &[DVec3]) -> Option<DVec3> {
         // A point on a face counts as inside, whatever the rounding error.
         let is_in = |p: &&DVec3| planes.iter().all(|plane| plane.height(**p) <= 2.0 * self.room);
@@ -407,7 +400,6 @@ impl Faces<'_> {
         worst(face_points(&polytope, MEASURED, self.bounds.limit)).map(|(_, point)| point)
     }
 
-    /// Adds a plane below `point`. Returns whether there is one.
     fn cut_off(&self, planes: &mut Vec<HalfSpace>, point: DVec3) -> bool {
         let heights: Vec<f64> = self.body.planes.iter().map(|plane| plane.height(point)).collect();
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -429,7 +421,6 @@ impl Faces<'_> {
         hull::of_positions(vertices.iter().map(|p| p.as_vec3().to_array().map(|c| c + 0.0)).collect())
     }
 
-    /// Drops planes that are not needed. Returns the others, and the vertices of their polytope.
     fn fewer(&self, planes: Vec<HalfSpace>, vertices: Vec<DVec3>) -> (Vec<HalfSpace>, Vec<DVec3>) {
         let (mut left, mut best) = (planes, vertices);
         // The first planes are of large faces.

@@ -10,7 +10,6 @@ fn mesh(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> PointSet {
     PointSet { positions, source_vertices, triangles, ..PointSet::default() }
 }
 
-/// A box as twelve triangles that face outward.
 fn block(low: [f32; 3], high: [f32; 3]) -> PointSet {
     let corner = |i: usize| std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -40,7 +39,6 @@ fn mapped(mut mesh: PointSet, map: impl Fn(DVec3) -> DVec3) -> PointSet {
     mesh
 }
 
-/// A ball as triangles: bands of latitude between two poles.
 fn ball(bands: u32, sectors: u32, radius: f32) -> PointSet {
     let point = |band: u32, sector: u32| {
         let (polar, around) = (
@@ -83,7 +81,6 @@ fn assert_mass(found: Option<Mass>, volume: f64, centroid: [f64; 3], moments: [f
     );
 }
 
-/// The moments of a box with these edges.
 fn of_box([x, y, z]: [f64; 3]) -> [f64; 6] {
     [x * x / 12.0, y * y / 12.0, z * z / 12.0, 0.0, 0.0, 0.0]
 }
@@ -125,7 +122,6 @@ fn a_ball() {
     );
 }
 
-/// The sums are about the middle of the mesh, so distance costs nothing. Coordinates are exact.
 #[test]
 fn far_tiny_and_huge_meshes() {
     let found = mesh_mass(&block([10_000.0, -10_000.0, 10_000.0], [10_001.0, -9_998.0, 10_005.0]));
@@ -143,7 +139,6 @@ fn far_tiny_and_huge_meshes() {
     }
 }
 
-/// A turned box has the turned moments R M Rᵀ.
 #[test]
 fn a_turned_box_has_products() {
     let turn = DQuat::from_array([0.3, -0.2, 0.5, 0.7]).normalize();
@@ -163,7 +158,6 @@ fn disjoint_cubes_add_up() {
     assert_mass(mesh_mass(&both), 2.0, [2.0, 0.5, 0.5], moments, 1e-14);
 }
 
-/// The baker's solid ignores the orientation of a whole mesh.
 #[test]
 fn an_inside_out_mesh_bounds_the_same_solid() {
     let found = mesh_mass(&inside_out(block([0.0; 3], [1.0, 2.0, 5.0])));
@@ -222,15 +216,12 @@ fn repeated_triangles_count_once() {
     assert_mass(mesh_mass(&once_more), 10.0, [0.5, 1.0, 2.5], of_box([1.0, 2.0, 5.0]), 1e-14);
 }
 
-/// Boxes that share a face, which both have: the face is inside.
 #[test]
 fn touching_boxes_are_one() {
     let both = joined(&[block([0.0; 3], [1.0; 3]), block([1.0, 0.0, 0.0], [3.0, 1.0, 1.0])]);
     assert_mass(mesh_mass(&both), 3.0, [1.5, 0.5, 0.5], of_box([3.0, 1.0, 1.0]), 1e-14);
 }
 
-/// Shells that overlap count once, as in the solid by which parts are judged. The sum of the
-/// tetrahedra counts the overlap twice.
 #[test]
 fn overlapping_shells_count_once() {
     let both = joined(&[block([0.0; 3], [2.0, 1.0, 1.0]), block([1.0, 0.1, 0.1], [3.0, 0.9, 0.9])]);
@@ -240,7 +231,6 @@ fn overlapping_shells_count_once() {
     let found = mesh_mass(&both).unwrap();
     assert!((found.volume - volume).abs() < 0.01 * shared, "{} instead of {volume}", found.volume);
     assert!((found.centroid[0] - x).abs() < 0.01 * shared, "{} instead of {x}", found.centroid[0]);
-    // A shell in another one, and a shell turned inside out beside another one.
     let nested = joined(&[block([0.0; 3], [3.0; 3]), block([1.0; 3], [2.0; 3])]);
     let found = mesh_mass(&nested).unwrap().volume;
     assert!((found - 27.0).abs() < 0.02, "{found} instead of 27");

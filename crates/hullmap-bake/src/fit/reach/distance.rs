@@ -7,9 +7,8 @@
 /// Stands for no marked cell. Its square root is far beyond any grid, and sums do not overflow.
 pub const FAR: u32 = u32::MAX / 4;
 
-/// The square of each cell's distance from the nearest cell that `is_marked`, in cells, between
-/// their centres; at least [`FAR`] if there is none. The index of a cell is
-/// `(z * size[1] + y) * size[0] + x`.
+/// The squared distance of each cell's centre from the nearest marked one, in cells; at least
+/// [`FAR`] if there is none. The index of a cell is `(z * size[1] + y) * size[0] + x`.
 ///
 /// # Complexity
 /// O(cells).
@@ -30,11 +29,8 @@ pub fn squared_distances(is_marked: &[bool], size: [usize; 3]) -> Vec<u32> {
     squares
 }
 
-/// The lower envelope of parabolas over a line.
 struct Envelope {
-    /// Where the lowest parabolas stand, and their heights there.
     lowest: Vec<(usize, u32)>,
-    /// Where each begins to be the lowest.
     starts: Vec<f64>,
 }
 
@@ -43,8 +39,7 @@ impl Envelope {
         Self { lowest: Vec::with_capacity(count), starts: Vec::with_capacity(count) }
     }
 
-    /// Replaces the values of a line by the least sum of a value and the square of the distance
-    /// from it.
+    /// Replaces each value by the least sum of a value and the squared distance from it.
     fn replace(&mut self, line: &mut [u32]) {
         self.lowest.clear();
         self.starts.clear();

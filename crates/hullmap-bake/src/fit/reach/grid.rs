@@ -1,5 +1,4 @@
-//! Cells around a mesh: which the centre of a ball from outside may enter, and which such a ball
-//! cannot reach.
+//! Cells around a mesh: where a ball's centre may come from outside, and what such a ball reaches.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -10,14 +9,12 @@ use crate::fit::solid::Solid;
 /// Cells along the side of a block, in which cells are settled together where possible.
 const BLOCK: usize = 16;
 
-/// Cells that are added to each side of the mesh's box and the radius around it, so that the border
-/// of the grid is passable.
+/// Cells added on each side of the mesh's box and the radius, so that the border is passable.
 const MARGIN: usize = 2;
 
 /// Room for rounding errors, in cells.
 const ROUNDING: f64 = 1e-3;
 
-/// What is known of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Label {
     /// The centre of a ball may be there.
@@ -28,9 +25,7 @@ enum Label {
     Inside,
 }
 
-/// Cells around a mesh.
 pub struct Grid {
-    /// Number of cells along each axis.
     pub size: [usize; 3],
     low: DVec3,
     step: f64,
@@ -58,7 +53,6 @@ impl Grid {
         Some(Self { size, low: 0.5 * (low + high) - half, step, radius })
     }
 
-    /// The position of a place in the grid, in cells.
     pub fn position(&self, place: [f64; 3]) -> DVec3 {
         self.low + DVec3::from_array(place) * self.step
     }
@@ -78,7 +72,6 @@ impl Grid {
         (z * self.size[1] + y) * self.size[0] + x
     }
 
-    /// The label of each cell.
     fn labels(&self, solid: &Solid) -> Vec<Label> {
         let blocks = self.size.map(|cells| cells.div_ceil(BLOCK));
         let all = (0..blocks[0] * blocks[1] * blocks[2]).into_par_iter().map(|i| {
@@ -96,8 +89,7 @@ impl Grid {
         labels
     }
 
-    /// Labels the cells of a range that are not passable. No point of it is farther than `within`
-    /// from the solid.
+    /// Labels the impassable cells of a range whose points are all within `within` of the solid.
     fn settle(&self, solid: &Solid, range: Range, within: f64, found: &mut Vec<(Range, Label)>) {
         let [low, high] = range.map(|corner| self.position(corner.map(|k| k as f64)));
         let (centre, radius) = (0.5 * (low + high), 0.5 * low.distance(high));

@@ -1,13 +1,5 @@
-//! The space around a mesh that no ball of a given radius can reach from outside. If that space
-//! counts as solid, the inner walls of an assembly, and everything behind a narrow opening, need no
-//! parts.
-//!
-//! | file | concept |
-//! |---|---|
-//! | `grid` | cells that the centre of such a ball may enter, found by a flood from outside |
-//! | `distance` | distances between cells |
-//! | `shell` | the surface around cells, as triangles |
-//! | this one | the mesh with the surfaces around its unreachable space |
+//! The space around a mesh that no ball of a given radius can reach from outside. If it counts as
+//! solid, inner walls and everything behind a narrow opening need no parts.
 //!
 //! # Steps
 //! 1. The centre of a ball that does not penetrate the solid is at least the radius away from it. A
@@ -20,10 +12,9 @@
 //!    mesh. The solid of the result is the solid of the mesh plus these cells.
 //!
 //! # Why unreachable space is certainly unreachable
-//! Each step errs towards reachable space: by at most one diagonal of a cell in step 1, and by at
-//! most two in step 3. So a strip up to four cells wide, next to a wall that separates the inside
-//! from the outside, stays reachable. The mesh with these surfaces has a solid that contains the
-//! mesh's solid, and otherwise only unreachable points. Protrusion is measured from that solid.
+//! Each step errs towards reachable space: step 1 by at most one diagonal of a cell, and step 3 by
+//! at most two. So a strip up to four cells wide at a separating wall stays reachable. The new
+//! solid adds only unreachable points to the mesh's.
 //!
 //! # Complexity
 //! At most 2²² cells and about 100 bytes for each; one search of the nearest triangle for each cell
@@ -61,8 +52,7 @@ pub fn with_unreachable(mesh: &PointSet, solid: Solid, radius: f64) -> Solid {
     }
 }
 
-/// A mesh with the surfaces around its unreachable space; `None` if all space is reachable, as far
-/// as is known.
+/// The mesh with surfaces around unreachable space; `None` if all space may be reachable.
 fn filled(mesh: &PointSet, solid: &Solid, radius: f64) -> Option<PointSet> {
     let mut count = CELLS;
     while count >= FEWEST_CELLS {
@@ -80,7 +70,6 @@ fn filled(mesh: &PointSet, solid: &Solid, radius: f64) -> Option<PointSet> {
     None
 }
 
-/// A mesh with further triangles, which face the same way as its own.
 fn with_shell(mesh: &PointSet, corners: impl Iterator<Item = DVec3>, triangles: Vec<[u32; 3]>) -> PointSet {
     let at = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
     let volume: f64 = mesh.triangles.iter().map(|t| t.map(at)).map(|[a, b, c]| a.cross(b).dot(c)).sum();

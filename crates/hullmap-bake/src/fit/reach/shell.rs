@@ -8,22 +8,18 @@
 
 use std::collections::{HashMap, HashSet};
 
-/// A corner of cells, by its place along each axis.
 type Corner = [usize; 3];
 
-/// A rectangle of faces at right angles to an axis.
 struct Rectangle {
     axis: usize,
     /// Its place along the axis, and its first and last corner along the two next axes.
     at: usize,
     from: [usize; 2],
     to: [usize; 2],
-    /// Whether it faces up the axis.
     faces_up: bool,
 }
 
 impl Rectangle {
-    /// The corner at a place of its plane.
     fn corner(&self, [u, v]: [usize; 2]) -> Corner {
         let mut corner = [self.at; 3];
         corner[(self.axis + 1) % 3] = u;
@@ -45,9 +41,8 @@ impl Rectangle {
     }
 }
 
-/// The triangles around the marked cells of a grid, which face outward, and their corners in cells.
-/// The index of a cell is `(z * size[1] + y) * size[0] + x`. No cell at the border of the
-/// grid may be marked.
+/// The outward triangles around the marked cells of a grid, and their corners in cells. The index
+/// of a cell is `(z * size[1] + y) * size[0] + x`. No cell at the border may be marked.
 ///
 /// # Complexity
 /// O(cells).
@@ -83,7 +78,6 @@ pub fn shell(is_marked: &[bool], size: [usize; 3]) -> (Vec<[f64; 3]>, Vec<[u32; 
     (points, triangles)
 }
 
-/// The rectangles at right angles to an axis.
 fn rectangles(is_marked: &[bool], size: [usize; 3], axis: usize) -> Vec<Rectangle> {
     let [u_axis, v_axis] = [(axis + 1) % 3, (axis + 2) % 3];
     let stride = [1, size[0], size[0] * size[1]];

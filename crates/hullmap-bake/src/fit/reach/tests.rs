@@ -9,7 +9,6 @@ fn set(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> PointSet {
     PointSet { source_vertices: (0..positions.len() as u32).collect(), positions, triangles, ..PointSet::default() }
 }
 
-/// Closed boxes. Boxes of negative sign face inward.
 fn boxes(boxes: &[([f32; 3], [f32; 3], f32)]) -> PointSet {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for (low, high, sign) in boxes {
@@ -23,8 +22,6 @@ fn boxes(boxes: &[([f32; 3], [f32; 3], f32)]) -> PointSet {
     set(positions, triangles)
 }
 
-/// A surface of revolution about z, of a profile of radii and heights that starts and ends on the
-/// axis.
 fn turned(profile: &[[f32; 2]]) -> PointSet {
     const SIDES: u32 = 32;
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
@@ -63,8 +60,7 @@ fn solid(mesh: &PointSet, radius: f64) -> Solid {
     with_unreachable(mesh, Solid::new(mesh), radius)
 }
 
-/// Random points of the box around a mesh and half as much around it that are in its solid only if
-/// that is filled.
+/// Random points in and near the box around a mesh that are only in the filled solid.
 fn added(mesh: &PointSet, filled: &Solid) -> Vec<DVec3> {
     let plain = Solid::new(mesh);
     let [low, high] = plain.bounds();
@@ -85,7 +81,6 @@ fn a_closed_cavity_is_unreachable() {
         // The cavity is 512 of the 8,000 units in which points are drawn.
         assert!(found.len() > 800, "{radius}: {}", found.len());
         assert!(found.iter().all(|p| (*p - 5.0).abs().max_element() <= 4.0), "{radius}");
-        // What stays reachable is beside the wall.
         assert!(filled.is_inside(DVec3::splat(5.0)) && filled.distance(DVec3::splat(1.6)) < 0.7, "{radius}");
     }
 }
@@ -109,7 +104,6 @@ fn a_bottle_is_reachable_only_by_balls_that_pass_its_neck() {
     }
 }
 
-/// Inward faces of an assembly: two walls that cross inside a closed box.
 #[test]
 fn inner_walls_cost_no_parts() {
     let mesh = boxes(&[
@@ -130,7 +124,6 @@ fn inner_walls_cost_no_parts() {
     assert!(everywhere.len() >= 6, "{}", everywhere.len());
 }
 
-/// The surface around random cells is closed, and its winding number is 1 in them and 0 elsewhere.
 #[test]
 fn shells_bound_their_cells() {
     let mut rng = SplitMix64::new(4);

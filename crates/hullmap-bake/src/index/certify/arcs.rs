@@ -1,10 +1,9 @@
 //! Arcs of a hull's edges on the Gauss map, and their pieces on a face of the cube.
 //!
-//! The arc of an edge leads from the normal of one of its faces to the normal of the other. All of
-//! its directions are at right angles to the edge. The faces of a solid meet at less than half a
-//! turn. An arc longer than a right angle is cut in two at the direction out of one face, across
-//! the edge, because interpolation along a long arc loses digits. At a polygon (rank 2), the arc of
-//! a side leads from one face over the side's normal to the other face.
+//! The arc of an edge leads from the normal of one face to the other's, at right angles to the
+//! edge. An arc longer than a right angle is cut in two at the direction out of one face across the
+//! edge, because interpolation along it loses digits. At a polygon (rank 2), the arc of a side
+//! leads over the side's normal to the other face.
 
 use glam::DVec3;
 use hullmap_format::cube;
@@ -15,7 +14,6 @@ use crate::hull::{
     edges,
 };
 
-/// All arcs of a hull.
 pub struct Arcs(Vec<Arc>);
 
 struct Arc {
@@ -33,13 +31,11 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// The point half-way between the ends.
     pub fn middle(&self) -> [f64; 2] {
         let [p, q] = self.ends;
         [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])]
     }
 
-    /// The part where `height`, a linear function, is at least 0; `None` if there is no such part.
     pub fn clip(mut self, height: impl Fn([f64; 2]) -> f64) -> Option<Self> {
         let [from, to] = self.ends.map(height);
         let at = |share: f64| {
@@ -57,7 +53,6 @@ impl Piece {
 }
 
 impl Arcs {
-    /// The arcs of a hull of rank 2 or 3.
     pub fn new(hull: &Hull) -> Self {
         let positions = hull.positions();
         let normals: Vec<DVec3> = hull.faces.iter().map(|face| area_vector(face, &positions).normalize()).collect();
@@ -93,8 +88,7 @@ impl Arcs {
     }
 }
 
-/// The piece of an arc that lies in front of the planes, projected onto the plane towards which
-/// the face lies.
+/// The piece of an arc in front of the planes, projected onto the plane towards the face.
 fn piece(arc: &Arc, planes: &[DVec3; 4], towards: DVec3, sides: [DVec3; 2]) -> Option<Piece> {
     let [mut p, mut q] = arc.ends;
     for plane in planes {

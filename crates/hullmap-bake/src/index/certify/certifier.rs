@@ -1,5 +1,3 @@
-//! A hull and its index, and the checks of a leaf.
-
 use std::ops::Range;
 
 use glam::DVec3;
@@ -14,27 +12,22 @@ use crate::hull::Hull;
 const SPIKE: f64 = 0.1 * LIMIT;
 
 /// Maximum number of regions and pieces of arcs visited on a face of the cube, in multiples of the
-/// index's words, the blocks' lanes and the hull's edges together.
-///
-/// Indices of all families visit at most a tenth of it. A hostile index, whose nodes are shared so
-/// that they are visited again and again, is given up.
+/// index's words, the blocks' lanes and the hull's edges together. Indices of all families visit at
+/// most a tenth of it; a hostile index, whose nodes are shared, is given up.
 const WORK: usize = 64;
 
 /// How far beyond the plane between two cones a point may lie to count as a point of the cone:
 /// rounding error, relative to the lengths of the edge and of the direction.
 const ON_PLANE: f64 = 1e-15;
 
-/// A hull and its index.
 pub struct Certifier<'a, W: ?Sized> {
     pub kind: IndexKind,
     pub words: &'a W,
     lanes: &'a [[u32; LANES]],
     positions: Vec<DVec3>,
-    /// For each vertex, where its neighbours start in `neighbours`.
     starts: Vec<u32>,
     neighbours: Vec<u32>,
     diameter: f64,
-    /// Maximum of [`Visits::work`](super::descent::Visits::work).
     pub work: usize,
 }
 
@@ -118,7 +111,6 @@ impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {
         &self.neighbours[self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize]
     }
 
-    /// The candidate with the maximum dot product.
     fn best(&self, candidates: &[u32], direction: DVec3) -> u32 {
         let height = |vertex: &u32| self.positions[*vertex as usize].dot(direction);
         candidates.iter().copied().max_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or(0)

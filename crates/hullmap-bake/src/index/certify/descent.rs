@@ -20,18 +20,15 @@ use super::certifier::Certifier;
 use super::proof::{Proof, Unproven};
 use super::region::{Cell, Line, Margin, Turn, cube_slack};
 
-/// Range of squared lengths of vectors that count as being of unit length. The margins of
-/// [`super::region`] allow for it.
+/// Range of squared lengths of unit vectors, which the margins of [`super::region`] allow.
 const UNIT_SQ: std::ops::RangeInclusive<f64> = 0.999..=1.001;
 
 /// Angles that a wedge of a fan may cover to be treated as convex: less than half a turn.
 const CONVEX: f64 = 0.45 * fan::TURN;
 
-/// Where a wedge that is too wide is cut: not at the middle, since symmetric hulls have borders
-/// there.
+/// Where a wedge that is too wide is cut: off the middle, where symmetric hulls have borders.
 const CUT: f64 = 0.414;
 
-/// A square of the grid, or half of one.
 #[derive(Clone, Copy)]
 struct Square {
     face: u32,
@@ -57,19 +54,16 @@ impl Square {
 /// A division of a square into cells, row by row.
 struct Grid {
     face: u32,
-    /// Grid indices of the borders along u and along v.
     borders: [Vec<u32>; 2],
     /// Word of the first cell's slot.
     first: usize,
     axis: usize,
 }
 
-/// A rectangle of cells with the same slot.
 struct Run {
     slot: usize,
     square: Square,
     cell: Cell,
-    /// The arcs that cross it.
     pieces: Vec<Piece>,
     /// Index of the arc handed to it last.
     last: u32,
@@ -96,10 +90,9 @@ struct Frame {
 }
 
 impl Frame {
-    /// The plane through the axis at an angle. Greater angles lie in front, up to half a turn.
-    ///
-    /// A query computes [`fan::angle`], the baker its inverse. Both are compared, so that a mistake
-    /// in the inverse is found here although the baker makes it too.
+    /// The plane through the axis at an angle. Greater angles lie in front, up to half a turn. A
+    /// query computes [`fan::angle`], the baker its inverse; comparing both here finds mistakes in
+    /// the inverse.
     fn line(&self, face: u32, angle: f64) -> Option<Line> {
         let [x, y] = fan::point(angle);
         let turns = (fan::angle(x, y) - angle) / fan::TURN;
@@ -108,7 +101,6 @@ impl Frame {
     }
 }
 
-/// A slot that has not been visited, with its region and the arcs in it.
 struct Pending {
     slot: usize,
     /// A square of the grid; `None` below planes and fans.
@@ -117,11 +109,9 @@ struct Pending {
     pieces: Vec<Piece>,
 }
 
-/// What a descent has found so far.
 #[derive(Default)]
 pub(super) struct Visits {
     proof: Proof,
-    /// Number of regions and pieces visited.
     pub work: usize,
     pending: Vec<Pending>,
 }
@@ -150,7 +140,6 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
         Ok(visits.proof)
     }
 
-    /// Follows the arcs through a slot.
     fn visit(&self, Pending { slot, square, cell, pieces }: Pending, visits: &mut Visits) -> Result<(), Unproven> {
         let run = |first: u32, count: u32| first as usize..first as usize + count as usize;
         match (self.node(slot), square) {
@@ -185,7 +174,6 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
         Node::below(Slot::decode(self.words.word(slot)), self.kind.branches(), self.words)
     }
 
-    /// Hands the arcs to the cells of a grid.
     fn grid(&self, grid: &Grid, pieces: &[Piece], visits: &mut Visits) {
         let (mut runs, run_of) = self.runs(grid);
         visits.work += run_of.len();
@@ -226,8 +214,7 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
         (runs, run_of)
     }
 
-    /// Follows the arcs through the planes of a node, level by level. The next plane is the one at
-    /// `index` of its `level`.
+    /// Follows the arcs through a node's planes by levels, next the one at `index` of its `level`.
     #[expect(clippy::too_many_arguments, reason = "the node, the place in it, and what is there")]
     fn planes(
         &self,
@@ -262,7 +249,6 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
         Ok(())
     }
 
-    /// Follows the arcs through the steps of a fan.
     fn fan(
         &self,
         node: Node,
@@ -279,12 +265,10 @@ impl<W: Words + Sync + ?Sized> Certifier<'_, W> {
             return Err(Unproven::Node { at });
         }
         let frame = Frame { at, x, y };
-        // Below a step of a fan with the same axes, a query computes the same angle again. It is
-        // one of that step's angles.
+        // Below a step of a fan with the same axes, a query's angle is one of that step's angles.
         let known = cell.turn.filter(|turn| turn.axes == [x, y]).map(|turn| turn.angles);
         let [low, high] = known.unwrap_or([-1.0, fan::TURN - 1.0]);
-        // Directions before the first step are located in the first step, and directions after the
-        // last one in the last.
+        // Directions before the first step or after the last one are located in these.
         let steps = 1 << bits;
         let border = |step: usize| match step {
             0 => low,
@@ -374,7 +358,6 @@ fn widened(square: Square) -> [[f64; 2]; 2] {
     [low, high]
 }
 
-/// Hands each piece to the runs of cells that it crosses.
 fn hand_out(grid: &Grid, pieces: &[Piece], runs: &mut [Run], run_of: &[u32]) {
     let lines = grid.borders.each_ref().map(|all| all.iter().map(|&at| cube::grid_to_uv(at)).collect::<Vec<_>>());
     let columns = lines[0].len() - 1;
@@ -393,7 +376,6 @@ fn hand_out(grid: &Grid, pieces: &[Piece], runs: &mut [Run], run_of: &[u32]) {
     }
 }
 
-/// The part of a piece within a square.
 fn clipped_to([low, high]: [[f64; 2]; 2], piece: Piece) -> Option<Piece> {
     let piece = piece.clip(|p| p[0] - low[0])?.clip(|p| high[0] - p[0])?;
     piece.clip(|p| p[1] - low[1])?.clip(|p| high[1] - p[1])

@@ -1,6 +1,5 @@
 //! Certificate of a direction index: a proof that every direction leads to a leaf that lists its
-//! support vertex. It is computed only from the hull and from the index as it is stored, and
-//! shares no step with the construction of the index.
+//! support vertex. It is computed only from the hull and the stored index.
 //!
 //! The normal cones of the vertices tile the sphere of directions (the Gauss map). Their borders
 //! are the arcs of the edges: along the arc of an edge, its two ends are support vertices. So a
@@ -20,20 +19,17 @@
 //! the grid, that is less than [`cube::CELL_SLACK`], and the arcs are followed through the cell
 //! widened by nearly as much: nothing more is needed.
 //!
-//! At a plane or at a step of a fan, the error is a few 1e-15, and cones that reach no farther are
-//! not listed beyond. There, a region has a *core*, in which the conditions must hold, and a
-//! *reach*, from which directions may lead to the leaf (`region`). The regret changes by at most
-//! the diameter times the angle between two directions. So the regret is at most the greatest
-//! distance of a point of the reach from the core, times the diameter. It must be at most
-//! [`LIMIT`].
+//! At a plane or a fan's step, the error is a few 1e-15, and cones that reach no farther are not
+//! listed beyond. There, a region has a *core*, in which the conditions must hold, and a *reach*,
+//! from which directions may lead to the leaf (`region`). The regret is at most the diameter times
+//! the greatest distance of the reach from the core, and must be at most [`LIMIT`].
 //!
 //! Where two planes meet at a very small angle, the reach has a spike beyond the core, and between
 //! planes that nearly coincide there is no core at all. Both are slivers, and the regret is bounded
 //! along the sliver's axis (`Certifier::sliver`).
 //!
 //! # Premises
-//! The hull is proven ([`crate::hull::certify`]). A query finds the best of the candidates that a
-//! leaf lists.
+//! The hull is proven ([`crate::hull::certify`]). A query finds the best of a leaf's candidates.
 //!
 //! # Complexity
 //! O(arcs · regions that an arc crosses). It is bounded for any index (`WORK`).
@@ -59,9 +55,8 @@ use certifier::Certifier;
 pub use proof::{LIMIT, Proof, Unproven};
 use region::cube_slack;
 
-/// Proves the index of `hull`, which is stored as these words and blocks.
-///
-/// The words must have passed the checks of [`hullmap_format::walk`].
+/// Proves the index of `hull`, stored as these words and blocks. The words must have passed the
+/// checks of [`hullmap_format::walk`].
 ///
 /// # Errors
 /// A leaf that is not proven; always the same for the same index.
@@ -82,7 +77,6 @@ pub fn certify<W: Words + Sync + ?Sized>(
     faces.into_iter().try_fold(Proof::default(), |all, face| Ok(all.and(face?)))
 }
 
-/// The vertices in the lanes of the blocks.
 fn lanes(hull: &Hull, blocks: impl IntoIterator<Item = Block>) -> Result<Vec<[u32; LANES]>, Unproven> {
     let mut all = Vec::new();
     for (index, block) in blocks.into_iter().enumerate() {

@@ -30,16 +30,13 @@ impl Margin {
     /// Where the same leaf continues.
     pub const NONE: Self = Self { reach: 0.0, core: 0.0 };
 
-    /// The core's margin.
     pub fn core(self) -> f64 {
         self.core
     }
 }
 
-/// A convex polygon, by its corners.
 pub type Polygon = Vec<[f64; 2]>;
 
-/// A region below planes or fans.
 #[derive(Clone, Debug)]
 pub struct Part {
     /// Where all support vertices must be listed.
@@ -51,7 +48,6 @@ pub struct Part {
 /// A region on a face of the cube: a square of the grid, or a part of one.
 #[derive(Clone, Debug)]
 pub struct Cell {
-    /// Face of the cube.
     pub face: u32,
     /// Lower and upper corner of the square, widened.
     pub square: [[f64; 2]; 2],
@@ -61,22 +57,18 @@ pub struct Cell {
     pub turn: Option<Turn>,
 }
 
-/// A step of a fan.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn {
     /// The axes from which its angles are measured.
     pub axes: [DVec3; 2],
-    /// Its angles.
     pub angles: [f64; 2],
 }
 
 impl Cell {
-    /// The direction through a point.
     pub fn direction(&self, [u, v]: [f64; 2]) -> DVec3 {
         DVec3::from_array(cube::direction(self.face, u, v))
     }
 
-    /// A point of the core, if there is one.
     pub fn point(&self) -> Option<[f64; 2]> {
         match &self.part {
             None => Some([0, 1].map(|axis| 0.5 * (self.square[0][axis] + self.square[1][axis]))),
@@ -84,7 +76,6 @@ impl Cell {
         }
     }
 
-    /// The region as polygons.
     pub fn to_part(&self) -> Part {
         self.part.clone().unwrap_or_else(|| {
             let [low, high] = self.square;
@@ -99,19 +90,16 @@ impl Cell {
 pub struct Line([f64; 3]);
 
 impl Line {
-    /// The line of the plane with this normal, of about unit length.
     pub fn new(face: u32, normal: DVec3) -> Self {
         let axis = (face / 2) as usize;
         let towards = if face.is_multiple_of(2) { normal[axis] } else { -normal[axis] };
         Self([normal[(axis + 1) % 3], normal[(axis + 2) % 3], towards])
     }
 
-    /// Height of a point over the plane.
     pub fn height(self, [u, v]: [f64; 2]) -> f64 {
         self.0[0] * u + self.0[1] * v + self.0[2]
     }
 
-    /// The plane from its other side.
     pub fn reversed(self) -> Self {
         Self(self.0.map(|term| -term))
     }
@@ -126,7 +114,6 @@ impl Part {
     }
 }
 
-/// The part of a polygon where `height`, a linear function, is at least 0.
 fn clip(polygon: &[[f64; 2]], height: impl Fn([f64; 2]) -> f64) -> Polygon {
     let mut out = Polygon::with_capacity(polygon.len() + 1);
     let Some(&last) = polygon.last() else { return out };
@@ -145,7 +132,6 @@ fn clip(polygon: &[[f64; 2]], height: impl Fn([f64; 2]) -> f64) -> Polygon {
     out
 }
 
-/// The mean of a polygon's corners.
 fn middle(polygon: &[[f64; 2]]) -> [f64; 2] {
     [0, 1].map(|axis| polygon.iter().map(|p| p[axis]).sum::<f64>() / polygon.len() as f64)
 }
@@ -165,7 +151,6 @@ pub fn axis(polygon: &[[f64; 2]]) -> ([[f64; 2]; 2], f64) {
     (ends, distance(polygon, &ends))
 }
 
-/// Greatest distance of a point of `polygon` from `core`, a convex polygon or a segment.
 fn distance(polygon: &[[f64; 2]], core: &[[f64; 2]]) -> f64 {
     let [tip, nearest] = farthest(polygon, core);
     between(tip, nearest)
@@ -178,10 +163,8 @@ pub fn farthest(polygon: &[[f64; 2]], core: &[[f64; 2]]) -> [[f64; 2]; 2] {
     pairs.max_by(|a, b| between(a[0], a[1]).total_cmp(&between(b[0], b[1]))).unwrap_or([[f64::NAN; 2]; 2])
 }
 
-/// The point of a convex polygon that is nearest to `p`.
 fn nearest(p: [f64; 2], core: &[[f64; 2]]) -> [f64; 2] {
     let (mut best, mut least) = ([f64::NAN; 2], f64::INFINITY);
-    // Whether the point is to the left, and to the right, of some side.
     let (mut left, mut right) = (false, false);
     for (i, &a) in core.iter().enumerate() {
         let b = core[(i + 1) % core.len()];
@@ -208,7 +191,6 @@ pub fn cut_across(polygon: &[[f64; 2]], at: [f64; 2], tip: [f64; 2]) -> (Polygon
     (clip(polygon, along), clip(polygon, |p| -along(p)))
 }
 
-/// Distance between two points.
 pub fn between(p: [f64; 2], q: [f64; 2]) -> f64 {
     length([p[0] - q[0], p[1] - q[1]])
 }

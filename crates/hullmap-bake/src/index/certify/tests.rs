@@ -55,7 +55,6 @@ fn a_scan_that_lacks_a_vertex_is_found() {
     assert!(matches!(prove(&hull, index.kind, &[], &blocks), Err(Unproven::Missing { .. })));
 }
 
-/// The words of a fan of 2ᵇ steps, in which two slots alternate.
 fn fan_words(bits: u32, x: [f64; 3], y: [f64; 3], slots: [Slot; 2]) -> Vec<u32> {
     let numbers = x.into_iter().chain(y).chain([-1.0, f64::from(1 << bits) / fan::TURN]);
     let mut words: Vec<u32> = numbers.flat_map(encode_f64).collect();
@@ -83,8 +82,7 @@ fn work_is_bounded() {
     assert_eq!(prove(&hull, IndexKind::Tree, &words, &blocks), Err(Unproven::Work));
 }
 
-/// As many fans of many steps, one below the other, as a file may contain: the recursion fits the
-/// stack of a thread.
+/// As many nested fans of many steps as a file may contain, on the stack of a thread.
 #[test]
 fn deep_indices_do_not_overflow_the_stack() {
     const BITS: u32 = 12;

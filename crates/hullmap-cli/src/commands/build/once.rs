@@ -1,5 +1,3 @@
-//! One build: finds the jobs, bakes the packs that are not up to date, and prints the results.
-
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -18,17 +16,12 @@ use crate::runner::rows::{Row, Status};
 use crate::runner::{self, print_messages, write_rows};
 use crate::terminal::Output;
 
-/// Runs the command once, with any baker, in any folder.
-///
-/// # Errors
-/// As for the command.
 pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut Output) -> Result<Exit, Failure> {
     let found = find_jobs(args, !args.run.quiet)?;
     build(args, project, baker, &found, |_| true, out)
 }
 
-/// The files to bake, each with its options. If `warns`, prints warnings about options without
-/// effect. Writes no file.
+/// The files to bake, with options. If `warns`, prints warnings about options without effect.
 pub fn find_jobs(args: &BuildArgs, warns: bool) -> Result<Jobs, Failure> {
     if args.prune && !bakes_folders(args) {
         let message = "--prune has no effect, because no input is a folder; name the folder of the meshes";
@@ -42,7 +35,6 @@ pub fn find_jobs(args: &BuildArgs, warns: bool) -> Result<Jobs, Failure> {
     jobs(&args.meshes, &args.out, printed)
 }
 
-/// Bakes the `chosen` jobs and prints the results.
 pub fn build(
     args: &BuildArgs,
     project: &Path,
@@ -114,7 +106,6 @@ pub fn build(
     depfile.map(|()| exit)
 }
 
-/// Whether an input is a folder: only then are orphans searched.
 fn bakes_folders(args: &BuildArgs) -> bool {
     args.meshes.inputs.iter().any(|input| input.is_dir())
 }

@@ -12,27 +12,20 @@ use crate::packs::{PackPlace, is_baked};
 use crate::project::{Found, Project};
 use crate::runner::rows::{Row, Status};
 
-/// A pack that this build does not write, and whose recorded source does not exist or has a pack of
-/// another name.
 #[derive(Debug)]
 pub struct Orphan {
     pack: PathBuf,
-    /// Former path of its source, as the user would name it.
     source: String,
-    /// Why it is an orphan.
     reason: String,
     /// Why it is kept although its source is not found; `None` if it may be removed.
     kept: Option<&'static str>,
 }
 
-/// The recorded folder is not the one whose meshes become packs at this path.
 const MOVED: &str = "it is kept, because this build would not write it here; remove it by hand if it is not needed";
 
-/// The recorded path leads out of the project, so it was not followed.
 const OUTSIDE: &str = "it is kept, because its recorded path leads out of the project and was not followed; remove it \
                        by hand if it is not needed";
 
-/// The pack records no folder.
 const NAME_ALONE: &str = "it is not pruned, because it does not record its source's folder; remove it by hand, or start \
                           bake in a folder that holds meshes and packs";
 
@@ -45,9 +38,7 @@ const NAME_ALONE: &str = "it is not pruned, because it does not record its sourc
 /// folder have their sources. Files other than packs are ignored.
 ///
 /// An orphan may be removed if this build would write the pack of the recorded source to that very
-/// path. The recorded path of a pack that was copied, moved or renamed leads elsewhere, so its
-/// source may still exist. Complexity: one walk over `out`; packs that the build writes are not
-/// opened.
+/// path. A copied, moved or renamed pack records another path, so its source may still exist.
 pub fn find(out: &Path, inputs: &[PathBuf], jobs: &[Job], project: &Path) -> Vec<Orphan> {
     let outputs: HashSet<&Path> = jobs.iter().map(|job| job.output.as_path()).collect();
     let mut by_folder: HashMap<&Path, Vec<&Job>> = HashMap::new();
@@ -103,8 +94,7 @@ fn judge(pack: &Path, out: &Path, inputs: &[PathBuf], beside: &[&Job], project: 
     Some(Orphan { pack: pack.to_owned(), source, reason, kept })
 }
 
-/// The orphan that is left if the pack of a mesh gets another name: with the extension of the mesh,
-/// or without it.
+/// The orphan that is left if the name of a mesh's pack gains or loses the mesh's extension.
 fn renamed(pack: &Path, recorded_place: &Path, beside: &[&Job]) -> Option<Orphan> {
     let is_name = |job: &&&Job| job.source.file_name() == recorded_place.file_name() && is_name_of(pack, &job.source);
     let is_source = |job: &&&Job| match (job.source.canonicalize(), recorded_place.canonicalize()) {
@@ -122,12 +112,10 @@ fn project_of(pack: &Path, below: &Path, start: &Path) -> Option<Project> {
 }
 
 impl Orphan {
-    /// Whether it is kept, because its source may still exist.
     pub fn is_kept(&self) -> bool {
         self.kept.is_some()
     }
 
-    /// Its path below `out`, with `/`: it belongs to the shard of this place.
     pub fn place(&self, out: &Path) -> String {
         slashed(self.pack.strip_prefix(out).unwrap_or(&self.pack))
     }
@@ -154,7 +142,6 @@ impl Orphan {
     }
 }
 
-/// Removes `folder` and its parents below `out` as long as they are empty.
 fn remove_empty_folders(folder: &Path, out: &Path) {
     for folder in folder.ancestors().take_while(|folder| *folder != out && folder.starts_with(out)) {
         // Fails if the folder is not empty.

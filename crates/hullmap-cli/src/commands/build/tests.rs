@@ -1,5 +1,3 @@
-//! Builds with a fake baker that writes the source's name, hash and points as text.
-
 use std::path::Path;
 
 use hullmap_bake::progress::Stage;
@@ -26,7 +24,6 @@ fn write_text(sets: &[PointSet], options: &BuildOptions, source: &SourceRecord, 
     Ok(BakedPack { bytes, ranks, vertex_count, ..BakedPack::default() })
 }
 
-/// Runs `bake build` with these words in a folder with these files; the output goes to `out` in it.
 fn build(folder: &Path, files: &[(&str, &str)], words: &[&str]) -> (Result<Exit, Failure>, String) {
     for (name, text) in files {
         let path = folder.join("in").join(name);

@@ -26,11 +26,8 @@ const QUIET: Duration = Duration::from_millis(200);
 /// Maximum delay after the first change, in case changes never stop.
 const MAX_DELAY: Duration = Duration::from_secs(5);
 
-/// Maximum number of changed files in a message.
 const MAX_NAMED: usize = 5;
 
-/// Builds until the process is interrupted. Errors are printed, and do not end the loop. Fails if
-/// the system cannot watch files, or the output cannot be written.
 pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut Output) -> Result<Exit, Failure> {
     let (sender, events) = channel();
     // The receiver is only gone at the end of the process.
@@ -90,14 +87,12 @@ fn once(
     Ok(found.jobs.into_iter().filter_map(|job| job.config).collect())
 }
 
-/// Folders that the system watches.
 struct Watched {
     watcher: RecommendedWatcher,
     folders: BTreeSet<PathBuf>,
 }
 
 impl Watched {
-    /// Watches the inputs, folders recursively, and the file that `--config` names.
     fn watch_all(&mut self, args: &BuildArgs) -> Result<(), notify::Error> {
         for input in &args.meshes.inputs {
             let path = input.canonicalize().unwrap_or_else(|_| input.clone());
@@ -129,9 +124,8 @@ impl Watched {
     }
 }
 
-/// The changed paths that may affect a build, once changes stop; `None` if no events can come.
-///
-/// Folders below `made` hold packs and are ignored.
+/// The changed paths that may affect a build, once changes stop. Ignores packs, in folders below
+/// `made`.
 fn wait(events: &Receiver<notify::Result<Event>>, made: &Path) -> Option<BTreeSet<PathBuf>> {
     let mut paths = BTreeSet::new();
     let mut first: Option<Instant> = None;
@@ -155,10 +149,8 @@ fn wait(events: &Receiver<notify::Result<Event>>, made: &Path) -> Option<BTreeSe
 }
 
 /// Whether an event can affect a build: it changes a mesh, a `hullmap.toml`, or a folder that may
-/// hold meshes, or removes a pack.
-///
-/// Reads, new packs and temporary files are ignored, so that a build does not trigger the next one.
-/// Emacs locks `a.obj` by the link `.#a.obj`.
+/// hold meshes, or removes a pack. Others are ignored, so that a build does not trigger the next
+/// one. Emacs locks `a.obj` by the link `.#a.obj`.
 fn matters(kind: EventKind, path: &Path, made: &Path) -> bool {
     let is_change = match kind {
         EventKind::Access(kind) => kind == AccessKind::Close(AccessMode::Write),
@@ -189,7 +181,6 @@ fn print_changes(paths: &BTreeSet<PathBuf>) {
     terminal::say(format_args!("changed: {}{more}", names.join(", ")));
 }
 
-/// The path relative to the current folder, if it lies inside.
 fn shown(path: &Path) -> String {
     let here = std::env::current_dir().and_then(|here| here.canonicalize());
     let below = here.ok().and_then(|here| path.strip_prefix(here).ok().map(Path::to_owned));

@@ -1,10 +1,4 @@
 //! `bake export`: exports hulls and triangle meshes as meshes that other programs read.
-//!
-//! 1. Select the hulls of each pack and, for an engine, name them by its rules (`names`).
-//! 2. Each file is written in memory (`mesh_file`, JSON, `robot`).
-//! 3. If a target exists, nothing of its pack is written. Each file is written to a temporary file
-//!    and renamed. With several packs, `--out` mirrors the folders of the packs.
-//!
 //! Coordinates keep all bits of `f32`, so that an exported hull bakes to the same hull.
 
 mod robot;
@@ -41,41 +35,29 @@ use scene::Added;
 /// The hulls of a pack as JSON. Field names are the JSON's.
 #[derive(Debug, Serialize)]
 struct ExportedPack<'a> {
-    /// Path of the source as the pack records it.
     source: &'a str,
-    /// The recorded build options.
     options: &'a str,
     hulls: &'a [Body],
 }
 
-/// A file to be written.
 #[derive(Debug)]
 struct ExportedFile {
-    /// Name in the folder of the output.
     name: String,
     bytes: Vec<u8>,
     /// Number of hulls, vertices and triangles in it; `None` for a document that names meshes.
     counts: Option<[usize; 3]>,
 }
 
-/// Form of the export of each pack.
 struct Export<'a> {
     args: &'a ExportArgs,
     format: Format,
-    /// Whether several packs may be exported: each has a file, or a folder, of its own.
     is_many: bool,
-    /// Whether a pack becomes several files.
     is_folder: bool,
-    /// The folders of meshes that were read for other packs.
     folders: Folders,
 }
 
-/// Runs the command.
-///
-/// # Errors
-/// Usage: wrong flags, no packs, or a target that exists or cannot be written. Rejected: the only
-/// pack is damaged, or none of its hulls can be written in the format. Such failures of one of
-/// several packs are reported, and the others exported.
+/// Fails for wrong flags, or if the only pack cannot be exported. Failures of one of several packs
+/// are reported, and the others exported.
 pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
     let is_many = args.packs.len() > 1 || args.packs.iter().any(|pack| pack.is_dir());
     let is_folder = args.parts || args.target.is_some_and(Target::is_document);
@@ -165,7 +147,6 @@ impl Export<'_> {
         self.rename(place, &pack, &mut bodies);
         let files = if let Some(into) = &args.into {
             let counts = Some(counts(&bodies));
-            // The hulls that were not left out.
             let is_solid = |&index: &usize| pack.hull(index).is_ok_and(|hull| hull.rank() == 3);
             let indices: Vec<usize> = indices.into_iter().filter(is_solid).collect();
             let bytes = Added { args, path, pack: &pack, indices: &indices }.file(into, bodies)?;
@@ -177,7 +158,6 @@ impl Export<'_> {
         self.write(&files, target, out)
     }
 
-    /// Writes the files of a pack, to standard output without a target.
     fn write(&self, files: &[ExportedFile], target: Option<&Path>, out: &mut Output) -> Result<Exit, Failure> {
         let Some(target) = target else {
             let written = files.iter().try_for_each(|file| out.verbatim(&file.bytes));
@@ -194,8 +174,7 @@ impl Export<'_> {
     }
 }
 
-/// The format: the given one, the one of the target's extension, or the one that the engine reads
-/// best. With `is_folder`, `--out` is a folder.
+/// The given format, the one of the target's extension, or the best one for the engine.
 fn format(args: &ExportArgs, is_folder: bool) -> Result<Format, Failure> {
     if let Some(into) = &args.into {
         check_into(args, into)?;
@@ -234,8 +213,7 @@ fn format(args: &ExportArgs, is_folder: bool) -> Result<Format, Failure> {
     }
 }
 
-/// Checks that the output suits the format: no binary data for a terminal, and no file whose
-/// extension names another format, unless `--format` is given.
+/// Rejects binary data for a terminal, and an extension of another format without `--format`.
 fn check_output(args: &ExportArgs, format: Format, is_folder: bool) -> Result<(), Failure> {
     let name = format.extension();
     let Some(target) = &args.out else {
@@ -254,7 +232,6 @@ fn check_output(args: &ExportArgs, format: Format, is_folder: bool) -> Result<()
     Ok(())
 }
 
-/// Checks that the output has the form of the file that it changes.
 fn check_into(args: &ExportArgs, into: &Path) -> Result<(), Failure> {
     let usage = |message: String| Err(Failure::usage(message));
     let Some(out) = &args.out else {
@@ -278,7 +255,6 @@ fn check_into(args: &ExportArgs, into: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Checks what clap cannot express.
 fn check_flags(args: &ExportArgs, is_many: bool, is_folder: bool) -> Result<(), Failure> {
     let usage = |message: String| Err(Failure::usage(message));
     let is_physics = args.target.is_some_and(Target::is_physics);
@@ -338,7 +314,6 @@ fn check_flags(args: &ExportArgs, is_many: bool, is_folder: bool) -> Result<(), 
     Ok(())
 }
 
-/// The hulls that `--hull` names, in the order of the pack, or all, with their indices.
 fn selected(args: &ExportArgs, path: &Path, pack: &Pack) -> Result<(Vec<usize>, Vec<Body>), Failure> {
     let names: Vec<&str> = pack.hulls().map(|hull| hull.name()).collect();
     let mut is_chosen = vec![args.hulls.is_empty(); names.len()];
@@ -359,7 +334,6 @@ fn selected(args: &ExportArgs, path: &Path, pack: &Pack) -> Result<(Vec<usize>, 
     Ok((indices, bodies))
 }
 
-/// Removes hulls that the format or the engine cannot hold, with a warning.
 fn leave_out(args: &ExportArgs, path: &Path, format: Format, bodies: &mut Vec<Body>) -> Result<(), Failure> {
     let (least_rank, holder, holds) = match (args.target, format) {
         (Some(target), _) => (3, target.name(), "solids"),
@@ -404,7 +378,6 @@ impl Export<'_> {
         Some(mass)
     }
 
-    /// Gives the hulls the names of the target.
     fn rename(&self, place: &PackPlace, pack: &Pack, bodies: &mut [Body]) {
         let args = self.args;
         let own: Vec<(&str, u32)> = bodies.iter().map(|body| (body.name.as_str(), body.part)).collect();
@@ -452,7 +425,6 @@ impl Export<'_> {
     }
 }
 
-/// All files, in memory.
 fn files(
     args: &ExportArgs,
     path: &Path,
@@ -513,7 +485,6 @@ fn file(args: &ExportArgs, pack: &Pack, format: Format, name: String, bodies: &[
     Ok(ExportedFile { name, bytes, counts: Some(counts(bodies)) })
 }
 
-/// Number of hulls, vertices and triangles.
 fn counts(bodies: &[Body]) -> [usize; 3] {
     let vertices = bodies.iter().map(|body| body.positions.len()).sum();
     let triangles = bodies.iter().map(|body| body.triangles().count()).sum();
@@ -521,7 +492,6 @@ fn counts(bodies: &[Body]) -> [usize; 3] {
 }
 
 impl Export<'_> {
-    /// Writes all files of a pack. Existing files are kept, unless `--force` is given.
     fn write_all(&self, targets: &[PathBuf], files: &[ExportedFile]) -> Result<(), Failure> {
         if !self.args.force {
             place::check_free(targets)?;
@@ -541,14 +511,12 @@ impl Export<'_> {
     }
 }
 
-/// Removes temporary files of a killed export. All targets are in one folder.
 fn sweep_once(target: &Path, targets: &[PathBuf]) {
     if targets.first().is_some_and(|first| first == target) {
         sweep(folder_of(target));
     }
 }
 
-/// Summary of a written file, as a line for people.
 fn summary(target: &Path, file: &ExportedFile) -> String {
     let bytes = grouped(file.bytes.len() as u64);
     let Some([hulls, vertices, triangles]) = file.counts.map(|counts| counts.map(|count| count as u64)) else {

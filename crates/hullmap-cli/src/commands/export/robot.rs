@@ -6,16 +6,13 @@
 //! | URDF | `robot` | a `collision` each, in one link |
 //! | SDF | `sdf` | a `collision` each, in one link of one model |
 //!
-//! A primitive that may replace a hull is written instead of it, without a mesh file. URDF has no
-//! capsules; there the hull is written.
+//! A primitive that may replace a hull is written instead of it. URDF has no capsules.
 //!
 //! All documents load as they are. Copy the elements from them into a model. The element
 //! `inertial` has the mass, so that the simulator does not add the masses of overlapping parts.
 //!
 //! # Reference
-//! MuJoCo, "XML Reference", elements `mesh`, `geom` and `inertial`; ROS, "URDF XML Specification",
-//! elements `collision` and `inertial`; Open Robotics, "SDFormat Specification", elements `link`,
-//! `inertial` and `collision`.
+//! MuJoCo, "XML Reference"; ROS, "URDF XML Specification"; Open Robotics, "SDFormat Specification".
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -26,16 +23,12 @@ use hullmap_robot::escaped;
 use crate::args::export::Target;
 use crate::mesh_file::body::{BodyPrimitive, Inertial};
 
-/// What collides.
 #[derive(Clone, Debug)]
 pub enum Geometry {
-    /// The mesh of a hull, in this file.
     Mesh(String),
-    /// A primitive instead of a hull.
     Primitive(BodyPrimitive),
 }
 
-/// Whether the document of a target can state a primitive of this kind.
 pub fn can_hold(target: Option<Target>, kind: PrimitiveKind) -> bool {
     match target {
         Some(Target::Mjcf | Target::Sdf) => true,
@@ -44,10 +37,8 @@ pub fn can_hold(target: Option<Target>, kind: PrimitiveKind) -> bool {
     }
 }
 
-/// Angles of a rotation about the fixed axes x, y and z, in this order: roll, pitch and yaw.
-///
-/// # Reference
-/// Diebel, "Representing attitude", 2006, section 5.8.
+/// Angles about the fixed axes x, y and z: roll, pitch and yaw (Diebel, "Representing attitude",
+/// 2006, section 5.8).
 fn roll_pitch_yaw(rotation: DQuat) -> [f64; 3] {
     let [x, y, z, w] = rotation.normalize().to_array();
     let sine = 2.0 * (w * y - z * x);
@@ -59,26 +50,19 @@ fn roll_pitch_yaw(rotation: DQuat) -> [f64; 3] {
     [roll, sine.asin(), (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z))]
 }
 
-/// Numbers with spaces between them.
 fn spaced(numbers: &[f64]) -> String {
     numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
 }
 
-/// Collision meshes of one body.
 #[derive(Debug)]
 pub struct Robot<'a> {
-    /// Name of the body or the link.
     pub name: &'a str,
-    /// Prefix of file names, for instance `package://robot/meshes/`.
     pub prefix: &'a str,
-    /// Name and geometry of each hull.
     pub colliders: &'a [(String, Geometry)],
-    /// Mass of the body; `None` if it has none.
     pub inertial: Option<Inertial>,
 }
 
 impl Robot<'_> {
-    /// The MJCF document.
     pub fn mjcf(&self) -> String {
         let (name, prefix) = (escaped(self.name), escaped(self.prefix));
         let mut text = format!("<mujoco model=\"{name}\">\n  <asset>\n");
@@ -111,7 +95,6 @@ impl Robot<'_> {
         text + "    </body>\n  </worldbody>\n</mujoco>\n"
     }
 
-    /// The URDF document.
     pub fn urdf(&self) -> String {
         let (name, prefix) = (escaped(self.name), escaped(self.prefix));
         let mut text = format!("<?xml version=\"1.0\"?>\n<robot name=\"{name}\">\n  <link name=\"{name}\">\n");
@@ -144,7 +127,6 @@ impl Robot<'_> {
 }
 
 impl Robot<'_> {
-    /// The SDF document.
     pub fn sdf(&self) -> String {
         let (name, prefix) = (escaped(self.name), escaped(self.prefix));
         let is_capsule = |(_, geometry): &(String, Geometry)| {
@@ -193,7 +175,6 @@ mod tests {
 
     use super::*;
 
-    /// The angles give the rotation again, by three matrices, also for a pitch of a right angle.
     #[test]
     fn angles_give_the_rotation() {
         let axis = |k: usize| DVec3::new(1.0, 0.3 * k as f64 - 2.0, (k * k % 7) as f64 - 3.0).normalize();

@@ -1,12 +1,10 @@
 //! `bake export --into`: colliders below the nodes of a glTF file.
 //!
-//! A hull belongs to the node that has the name of its object, as `bake build --split object` names
-//! hulls. The hull of a whole file belongs to its only node, or to the scene. A node with hulls is
-//! a body, unless a node above it is one: then its hulls belong to that body.
+//! A hull belongs to the node with the name of its object. The hull of a whole file belongs to its
+//! only node, or to the scene. A node with hulls is a body, unless a node above it is one.
 //!
-//! Unreal finds collision parts by their names, so for it hulls are ordinary meshes in the frame of
-//! their node: nodes are named after the node, meshes after its mesh. In an OBJ file they are
-//! groups after the others.
+//! Unreal finds collision parts by their names, so hulls are ordinary meshes in the frame of their
+//! node, named after its mesh. In an OBJ file, they are groups after the others.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -31,19 +29,13 @@ use crate::scene::colliders::{self, Collider, Form, Motion};
 use crate::scene::container::GltfFile;
 use crate::terminal;
 
-/// The hulls of a pack, which are added to a file.
 pub struct Added<'a> {
-    /// The arguments.
     pub args: &'a ExportArgs,
-    /// Path of the pack.
     pub path: &'a Path,
-    /// The pack.
     pub pack: &'a Pack,
-    /// Indices of the hulls in the pack, ascending.
     pub indices: &'a [usize],
 }
 
-/// The extensions that the arguments select.
 fn form(args: &ExportArgs) -> Form {
     Form {
         khr: matches!(args.target, Some(Target::KhrPhysics | Target::Both)).then_some(args.draft),
@@ -53,7 +45,6 @@ fn form(args: &ExportArgs) -> Form {
     }
 }
 
-/// A file that has these hulls as static colliders, and nothing else.
 pub fn alone(args: &ExportArgs, bodies: Vec<Body>) -> Result<Vec<u8>, String> {
     let at_root = |body| Collider { body, mesh_name: None, node: None, pack_in_node: DAffine3::IDENTITY };
     let colliders: Vec<Collider> = bodies.into_iter().map(at_root).collect();
@@ -61,11 +52,6 @@ pub fn alone(args: &ExportArgs, bodies: Vec<Body>) -> Result<Vec<u8>, String> {
 }
 
 impl Added<'_> {
-    /// The file `into` with the hulls as colliders. `bodies` are the hulls, by their indices.
-    ///
-    /// # Errors
-    /// Usage: the file cannot be read. Rejected: it is damaged, has colliders already, or no node
-    /// for a hull.
     pub fn file(&self, into: &Path, bodies: Vec<Body>) -> Result<Vec<u8>, Failure> {
         let form = form(self.args);
         let shown = into.display();
@@ -115,7 +101,6 @@ impl Added<'_> {
         colliders::add(&file, &colliders, &motions, &form).map_err(fault)
     }
 
-    /// The OBJ file `into` with the hulls as groups, for Unreal.
     fn obj(&self, into: &Path, source: &SourceFile, stem: &str, bodies: Vec<Body>) -> Result<Vec<u8>, Failure> {
         let shown = into.display().to_string();
         let all = ImportOptions { split: Split::Object, ..ImportOptions::DEFAULT };
@@ -145,7 +130,6 @@ impl Added<'_> {
         Ok([text.trim_end().as_bytes(), b"\n", &hulls].concat())
     }
 
-    /// The options with which the pack was imported.
     fn import_options(&self) -> ImportOptions {
         let options = BuildOptions::from_recorded(self.pack.options()).map(|options| options.import());
         options.unwrap_or(ImportOptions { split: Split::Object, ..ImportOptions::DEFAULT })
@@ -232,7 +216,6 @@ impl Added<'_> {
         )))
     }
 
-    /// The bodies, with the mass of their hulls.
     fn motions(
         &self,
         owners: &[Option<&SceneObject>],
@@ -311,7 +294,6 @@ impl Added<'_> {
     }
 }
 
-/// The members of a document that decide where colliders are added.
 #[derive(Debug, Deserialize)]
 struct Document {
     #[serde(default)]
@@ -343,7 +325,6 @@ struct Uri {
 }
 
 impl Document {
-    /// Parent of each node. Fails if a node has two.
     fn parents(&self) -> Result<Vec<Option<usize>>, String> {
         let mut parents = vec![None; self.nodes.len()];
         for (index, node) in self.nodes.iter().enumerate() {
@@ -364,14 +345,12 @@ impl Document {
     }
 }
 
-/// Transform from the frame of a pack to the frame of its source file: the inverse of the transform
-/// of the import.
+/// Transform from the frame of a pack to its source file's: the inverse of the import's.
 fn pack_in_scene(options: &ImportOptions, origin: DVec3) -> DAffine3 {
     let linear = unrotation(options.up_axis) * (1.0 / options.unit_scale);
     DAffine3::from_mat3_translation(linear, linear * origin)
 }
 
-/// The inverse of the rotation of `--up-axis`.
 fn unrotation(up_axis: UpAxis) -> DMat3 {
     match up_axis {
         UpAxis::Keep => DMat3::IDENTITY,

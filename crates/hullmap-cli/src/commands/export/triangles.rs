@@ -11,11 +11,10 @@ use crate::mesh_file::body::{Body, rotated};
 use crate::mesh_file::{glb, obj, stl};
 use crate::outcome::Failure;
 
-/// Vertex that no triangle has used so far.
 const UNUSED: u32 = u32::MAX;
 
 impl Export<'_> {
-    /// What to do instead, if triangle meshes can't be exported in this form; `None` if they can.
+    /// The alternative, where triangle meshes cannot be exported in this form.
     pub(super) fn unfit_for_levels(&self) -> Option<&'static str> {
         let args = self.args;
         if args.target.is_some() || args.into.is_some() {
@@ -29,7 +28,6 @@ impl Export<'_> {
         }
     }
 
-    /// The file of a triangle mesh. Fails if a flag is about hulls.
     pub(super) fn triangles(&self, path: &Path, mesh: &TriangleMesh) -> Result<Vec<ExportedFile>, Failure> {
         let (args, file) = (self.args, path.display());
         if let Some(remedy) = self.unfit_for_levels() {

@@ -1,8 +1,7 @@
 //! `bake export --for usd`: hulls as a layer over a stage of Universal Scene Description (USD).
 //!
-//! The objects of the packs are meshes below one prim of the stage, and have the names of their
-//! prims. The hulls of each object become a group beside its mesh. The layer that the command
-//! writes is text (`mesh_file::usda`); a stage is read by the Python package alone.
+//! The objects of the packs are meshes below one prim of the stage, named after their prims. The
+//! hulls of each object become a group beside its mesh. Only the Python package reads stages.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -22,14 +21,9 @@ use crate::pack_file::{folder_of, make_folder, sweep};
 use crate::packs::{PackPlace, find_packs, is_baked, kind_by_name};
 use crate::terminal::{self, Output};
 
-/// Extension of USD files in text form.
 const EXTENSION: &str = "usda";
 
-/// Runs the command for USD: all packs become one layer.
-///
-/// # Errors
-/// Usage: wrong flags, no packs, or a target that exists or cannot be written. Rejected: a pack is
-/// damaged, none of its hulls is a solid, or two objects have the same prim.
+/// All packs become one layer.
 pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
     let parent = check_flags(args)?;
     let mut places = find_packs(&args.packs)?;
@@ -96,7 +90,6 @@ fn check_flags(args: &ExportArgs) -> Result<&str, Failure> {
     }
 }
 
-/// Whether the file has the extension of USD's text form. `.usd` may hold it, too.
 fn has_extension(target: &Path) -> bool {
     let is = |ending: &str| target.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending));
     is(EXTENSION) || is("usd")

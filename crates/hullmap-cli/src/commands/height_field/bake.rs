@@ -1,5 +1,3 @@
-//! From the files of a source to a height field.
-
 use std::path::{Path, PathBuf};
 
 use hullmap::height_field::Layout;
@@ -11,17 +9,13 @@ use hullmap_import::{Limits, ReadError, SourceFile};
 use super::options::FieldOptions;
 use crate::outcome::Failure;
 
-/// Bytes of a source, and of the image of its holes.
 pub struct FieldSource {
-    /// Name of the source in messages.
     name: String,
     heights: SourceFile,
-    /// Path and bytes.
     holes: Option<(PathBuf, SourceFile)>,
 }
 
 impl FieldSource {
-    /// Reads the files. Fails if one cannot be read.
     pub fn read(path: &Path, options: &FieldOptions, limits: &Limits) -> Result<Self, Failure> {
         let name = path.display().to_string();
         let heights = read(path, limits)?;
@@ -69,13 +63,11 @@ impl FieldSource {
         Ok((heights, holes))
     }
 
-    /// A warning if the value of holes is the value of no sample.
     pub fn warning(&self, heights: &Heights, options: &FieldOptions) -> Option<String> {
         let hole = options.hole.filter(|_| heights.hole_samples == 0)?;
         Some(format!("{}: no sample is {hole}, so --hole makes no holes; check the value", self.name))
     }
 
-    /// The height field.
     pub fn bake(&self, heights: &Heights, holes: &[bool], options: &FieldOptions) -> Result<BakedHeightField, Failure> {
         let layout = layout(&self.name, heights, options)?;
         let grid = HeightGrid { layout, heights: &heights.heights, holes, materials: &[] };
@@ -83,7 +75,6 @@ impl FieldSource {
     }
 }
 
-/// The grid of a source.
 pub fn layout(name: &str, heights: &Heights, options: &FieldOptions) -> Result<Layout, Failure> {
     let Heights { columns, rows, .. } = *heights;
     let spacing = options.spacing.or(heights.spacing).ok_or_else(|| {

@@ -33,13 +33,10 @@ struct Row {
     holes: usize,
     bytes: usize,
     millis: f64,
-    /// Findings to act on.
     warnings: Vec<String>,
     error: Option<String>,
 }
 
-/// Runs the command. Fails if flags contradict each other; failures of single files are reported in
-/// their rows and in the exit code.
 pub fn run(args: &BuildArgs, out: &mut Output) -> Result<Exit, Failure> {
     interrupt::catch();
     let sources = check_flags(args)?;
@@ -80,7 +77,6 @@ pub fn run(args: &BuildArgs, out: &mut Output) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-/// The sources, each with its target.
 fn check_flags(args: &BuildArgs) -> Result<Vec<(PathBuf, PathBuf)>, Failure> {
     let unsupported = [
         (args.watch, "--watch"),
@@ -123,7 +119,6 @@ fn check_flags(args: &BuildArgs) -> Result<Vec<(PathBuf, PathBuf)>, Failure> {
     Ok(jobs)
 }
 
-/// Bakes a file, unless its height field is fresh.
 fn build(
     args: &BuildArgs,
     source: &Path,

@@ -16,11 +16,6 @@ use hullmap_bake::number::grouped;
 /// Extension of raw numbers: little-endian f32, row by row, the row with the least y first.
 const RAW: &str = "f32";
 
-/// Runs the command.
-///
-/// # Errors
-/// Usage: flags that height fields do not have, no format, or a target that exists or cannot be
-/// written. Rejected: a damaged file.
 pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
     let ([path], Some(target)) = (args.packs.as_slice(), &args.out) else {
         return Err(Failure::usage("a height field is exported by itself, to a file: name one, and --out"));
@@ -54,14 +49,12 @@ fn put(target: &Path, bytes: &[u8], force: bool) -> Result<(), Failure> {
     place::put(target, bytes, force)
 }
 
-/// The triangles, without the triangles of holes. All vertices are written, so that they have the
-/// order of the grid.
+/// Skips triangles of holes. All vertices are written, in the order of the grid.
 fn obj(field: &HeightField) -> Vec<u8> {
     let layout = field.layout();
     let mut text = String::new();
     for row in 0..layout.rows {
         for vertex in (0..layout.columns).filter_map(|column| field.vertex(column, row)) {
-            // Writing to a string does not fail.
             let _ = writeln!(text, "v {} {} {}", vertex.x, vertex.y, vertex.z as f32);
         }
     }

@@ -27,20 +27,16 @@ struct Contents {
     origin: [f64; 2],
     spacing: [f64; 2],
     diagonal: &'static str,
-    /// Least and greatest height.
     heights: [f64; 2],
     holes: usize,
-    /// Number of triangles, without the triangles of holes.
     triangles: usize,
     /// Number of edges of triangles of each class; an edge of two triangles counts for both.
     edges: BTreeMap<&'static str, usize>,
-    /// Number of cells of each material, holes left out.
     materials: BTreeMap<u16, usize>,
     /// Heights, row by row, the row with the least y first, with `--vertices`.
     vertices: Option<Vec<f64>>,
 }
 
-/// Runs the command. Files that are not valid are reported, and the others described.
 pub fn run(args: &InspectArgs, out: &mut Output) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     for (index, path) in args.inputs.iter().enumerate() {
@@ -94,7 +90,6 @@ fn describe(file: String, field: &HeightField, has_vertices: bool) -> Descriptio
     }
 }
 
-/// Names and values of the facts about a height field.
 pub fn facts(file: &str, field: &HeightField) -> Vec<Row> {
     describe(file.to_owned(), field, false).rows()
 }

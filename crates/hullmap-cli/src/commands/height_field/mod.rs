@@ -46,7 +46,6 @@ pub fn run(command: &Command, out: &mut Output) -> Option<Result<Exit, Failure>>
     })
 }
 
-/// Whether a file has the extension of height fields.
 fn is_field(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == EXTENSION) && !path.is_dir()
 }

@@ -1,5 +1,3 @@
-//! Opening of height fields.
-
 use std::path::Path;
 
 use hullmap::{HeightField, OpenError};
@@ -7,8 +5,6 @@ use hullmap_import::open_regular;
 
 use crate::outcome::Failure;
 
-/// Opens a height field. The error is [`Failure::usage`] if the file cannot be read, and
-/// [`Failure::rejected`] if it is not valid. Both name the file.
 pub fn open(path: &Path) -> Result<HeightField, Failure> {
     // `HeightField::open` would wait for a pipe.
     if path.exists()

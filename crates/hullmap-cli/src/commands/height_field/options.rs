@@ -10,13 +10,10 @@ use hullmap_import::height_field::{HeightOptions, Hole};
 
 use crate::args::height_field::{HeightFieldArgs, name};
 
-/// First word of the text.
 const WORD: &str = "height-field";
 
-/// Key of the last option.
 const HOLE_IMAGE: &str = " hole-image ";
 
-/// Options that shape a height field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldOptions {
     /// `None`: 1, and an error for images.
@@ -33,7 +30,6 @@ pub struct FieldOptions {
 }
 
 impl FieldOptions {
-    /// The options of a command line.
     pub fn from_args(args: &HeightFieldArgs) -> Self {
         Self {
             scale: args.height_scale,
@@ -47,7 +43,6 @@ impl FieldOptions {
         }
     }
 
-    /// The options that a file records; `None` if they are not options of a height field.
     pub fn from_recorded(text: &str) -> Option<Self> {
         let (text, hole_image) = match text.split_once(HOLE_IMAGE) {
             // The file may be hostile, so the name must not lead to another folder.
@@ -83,7 +78,6 @@ impl FieldOptions {
         Some(options)
     }
 
-    /// How samples become heights.
     pub fn samples(&self) -> HeightOptions {
         HeightOptions { scale: self.scale.unwrap_or(1.0), offset: self.offset, hole: self.hole, raw: self.raw }
     }

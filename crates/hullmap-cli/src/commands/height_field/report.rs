@@ -10,10 +10,6 @@ use crate::pack_file::{folder_of, make_folder, put_in_place, write_beside};
 use crate::terminal::Output;
 use hullmap_bake::number::grouped;
 
-/// Runs the command.
-///
-/// # Errors
-/// Usage: flags of folders, or a page that cannot be written. Rejected: a damaged file.
 pub fn run(args: &ReportArgs, out: &mut Output) -> Result<Exit, Failure> {
     if args.merge || args.shard.is_some() {
         let message = "--shard and --merge require a folder of packs; leave them out for a height field";

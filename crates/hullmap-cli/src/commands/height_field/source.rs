@@ -1,5 +1,3 @@
-//! Finds the source of a height field.
-
 use std::path::{Path, PathBuf};
 
 use hullmap::HeightField;
@@ -9,10 +7,8 @@ use crate::pack_file::{folder_of, plain, resolve_recorded};
 use crate::packs::PackPlace;
 use crate::project::{Found, Project};
 
-/// The source of a height field: the path that `--source` gives, or the recorded one, which is
-/// followed only inside the file's [`Project`]. The error is the reason why there is none.
-///
-/// `image` is the name of the image of holes beside the source, which must be in the project, too.
+/// The source at the path of `--source`, or the recorded path inside the file's [`Project`];
+/// otherwise, the reason why there is none. `image` names the image of holes beside the source.
 pub fn find(
     path: &Path,
     field: &HeightField,

@@ -2,9 +2,8 @@
 //!
 //! 1. Opening checks the file itself.
 //! 2. The source has the recorded hash, and bakes to the same bytes.
-//! 3. Random vertical rays meet the surface where the samples of the source are: the height between
-//!    them is computed from the samples, without the file. Every other ray is exactly above an edge
-//!    or a sample.
+//! 3. Random vertical rays meet the surface at heights computed from the samples alone. Every other
+//!    ray is exactly above an edge or a sample.
 
 use std::path::Path;
 
@@ -37,12 +36,10 @@ struct Verification {
     file: String,
     pass: bool,
     source: Option<String>,
-    /// Number of vertical rays compared with the samples.
     rays: usize,
     problems: Vec<String>,
 }
 
-/// Runs the command. Problems with single files are reported in their rows.
 pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     for path in &args.inputs {

@@ -1,5 +1,3 @@
-//! `bake inspect`: the description of a triangle mesh.
-
 use hullmap::TriangleMesh;
 use serde::Serialize;
 
@@ -16,7 +14,6 @@ use hullmap_bake::number::grouped;
 pub struct MeshDescription {
     #[serde(flatten)]
     file: FileDescription,
-    /// The recorded warnings.
     warnings: Vec<String>,
     triangle_mesh: MeshContents,
 }
@@ -26,21 +23,15 @@ struct MeshContents {
     #[serde(flatten)]
     summary: MeshSummary,
     bounds: [[f32; 3]; 2],
-    /// Number of triangles of each material.
     material_counts: Vec<MaterialCount>,
-    /// Vertices, with `--vertices`.
     positions: Option<Vec<[f32; 3]>>,
-    /// Corners of each triangle, with `--vertices`.
     corners: Option<Vec<[u32; 3]>>,
-    /// Classes of the edges of each triangle, with `--vertices`.
     edge_classes: Option<Vec<[&'static str; 3]>>,
 }
 
 #[derive(Debug, Serialize)]
 struct MaterialCount {
-    /// Number of the material.
     number: u16,
-    /// Number of triangles.
     triangles: usize,
 }
 
@@ -68,7 +59,6 @@ pub fn describe(file: String, mesh: &TriangleMesh, warnings: Vec<String>, has_ve
     }
 }
 
-/// Writes the description as text.
 pub fn write_text(report: &MeshDescription, out: &mut Output) -> Result<(), Failure> {
     let MeshContents { summary, bounds, material_counts, .. } = &report.triangle_mesh;
     let number = |value: usize| grouped(value as u64);

@@ -24,15 +24,12 @@ use hullmap_verify::geometry::{polygons, positions, rank_name};
 struct PackDescription {
     file: String,
     format_version: u32,
-    /// Whether neighbours, quads, edges, and the faces of large hulls are left out.
     lean: bool,
     bytes: u64,
     source: String,
-    /// The recorded build options.
     options: String,
     /// XXH3-128 of the source, 32 hexadecimal digits.
     source_hash: String,
-    /// The recorded warnings.
     warnings: Vec<String>,
     hulls: Vec<HullDescription>,
 }
@@ -52,38 +49,29 @@ struct HullDescription {
     diameter: f64,
     containment_error: f64,
     outer_error: f64,
-    /// The measures of a part; `None` if it was not measured.
     uncovered: Option<f64>,
     protrusion: Option<f64>,
     protrusion_at: Option<[f64; 3]>,
-    /// What counts as the inside of the mesh: `watertight`, `closed` or `sheet`.
+    /// Kind of the mesh's solid: `watertight`, `closed` or `sheet`.
     solid: Option<&'static str>,
     part: u32,
     part_count: u32,
-    /// The plane about which the parts of its object are symmetric; `None` if there is none.
     symmetry: Option<MirrorPlane>,
     origin: [f64; 3],
-    /// Vertices, with `--vertices`.
     positions: Option<Vec<[f32; 3]>>,
-    /// Vertex indices of each face, with `--vertices`.
     polygons: Option<Vec<Vec<u32>>>,
-    /// Volume, centre of mass and inertia tensor (about it, at density 1) of the mesh; `None` if
-    /// they are not recorded.
+    /// Volume, centre of mass and inertia tensor (about it, at density 1) of the mesh, if recorded.
     mesh_volume: Option<f64>,
     mesh_centroid: Option<[f64; 3]>,
     mesh_inertia: Option<[[f64; 3]; 3]>,
-    /// Share of the mesh's solid that is in no part, and its error; `None` if not recorded.
     voids: Option<f64>,
     voids_error: Option<f64>,
-    /// The primitive that may replace the hull; `None` if there is none.
     primitive: Option<BodyPrimitive>,
     index: IndexDescription,
 }
 
-/// Description of a direction index.
 #[derive(Debug, Serialize)]
 struct IndexDescription {
-    /// Its name on the command line.
     kind: String,
     /// Cells along each edge of a cube face, for a cube map.
     resolution: Option<u32>,
@@ -92,8 +80,6 @@ struct IndexDescription {
     max_dots: u32,
 }
 
-/// Runs the command. Fails if an input cannot be read, or a folder holds no packs. Invalid packs
-/// are reported, and the others described.
 pub fn run(args: &InspectArgs, out: &mut Output) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     for (index, place) in find_packs(&args.inputs)?.iter().enumerate() {
@@ -136,7 +122,6 @@ fn report(file: String, pack: &Pack, has_vertices: bool) -> PackDescription {
     }
 }
 
-/// The descriptions of hulls. The parts of an object are consecutive.
 fn described(hulls: &[Hull], has_vertices: bool) -> Vec<HullDescription> {
     let of_object = |own: &[Hull]| {
         let vertices: Vec<Vec<[f32; 3]>> = own.iter().map(positions).collect();
@@ -250,7 +235,6 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
     Ok(())
 }
 
-/// Writes the pack's record about a convex part.
 fn write_part(hull: &HullDescription, reachable: Option<&str>, out: &mut Output) -> Result<(), Failure> {
     let symmetric = hull.symmetry.map_or_else(String::new, |plane| format!(", symmetric about {}", plane.in_words()));
     out.line(format_args!("  part               {} of {} of its object{symmetric}", hull.part, hull.part_count))?;

@@ -1,7 +1,6 @@
 //! `bake plan`: the work of a build as tasks, as JSON or for Ninja.
 //!
-//! A task is a batch of meshes. Nothing is baked. Fresh packs are planned as well: the program that
-//! runs a task leaves them alone.
+//! Fresh packs are planned as well: the program that runs a task leaves them alone.
 
 mod ninja;
 
@@ -11,14 +10,13 @@ use rayon::prelude::*;
 
 use crate::args::{Emit, PlanArgs};
 use crate::jobs::batch::{BatchSize, batches};
-use crate::jobs::key::Ingredients;
+use crate::jobs::key::KeyInputs;
 use crate::jobs::task::{Task, TaskMesh};
 use crate::jobs::{Job, Messages, jobs};
 use crate::outcome::{Exit, Failure, end};
 use crate::terminal::{self, Output};
 
-/// Runs the command. Fails if an input or `hullmap.toml` cannot be read. A mesh that cannot be
-/// read, or whose path cannot be written, is reported and left out.
+/// A mesh that cannot be read, or whose path cannot be written, is reported and left out.
 pub fn run(args: &PlanArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (jobs, mut exit) = jobs(&args.meshes, &args.out, Messages::Warnings)?.report_empty();
     let sizes: Vec<u64> = jobs.par_iter().map(Job::source_bytes).collect();
@@ -54,7 +52,7 @@ fn task(args: &PlanArgs, index: usize, batch: &[&Job]) -> (Option<Task>, Exit) {
     let limits = args.meshes.limits.limits();
     let found = batch.par_iter().map(|job| match &job.name.clash {
         Some(clash) => Err(Failure::usage(clash.clone())),
-        None => Ingredients::new(job, &limits, Path::new(".")),
+        None => KeyInputs::new(job, &limits, Path::new(".")),
     });
     let found: Vec<_> = found.collect();
     let (mut meshes, mut exit) = (Vec::with_capacity(batch.len()), Exit::Done);

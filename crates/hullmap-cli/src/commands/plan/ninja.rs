@@ -1,8 +1,3 @@
-//! A plan as a build file for Ninja: one edge per task, with the task in its response file.
-//!
-//! The options are in the task, and Ninja runs an edge again if its response file changes. A mesh
-//! that was added or removed needs a new plan.
-
 use std::path::Path;
 
 use crate::jobs::task::Task;
@@ -32,8 +27,7 @@ pub fn build(task: &Task) -> Result<String, String> {
         for input in &mesh.inputs {
             sources.push(path(&folder.join(&input.path).to_string_lossy())?);
         }
-        // Ninja runs the edge because a file has changed, so its hash must not be fixed. Keys
-        // depend on it.
+        // A file has changed, so its hash must not be fixed.
         mesh.inputs.clear();
         mesh.key.clear();
     }
@@ -47,7 +41,6 @@ pub fn build(task: &Task) -> Result<String, String> {
     Ok(format!("\nbuild $\n    {packs}: task $\n    {sources}\n  rsp = bake-task-{index}.json\n  task = {json}\n"))
 }
 
-/// A path as Ninja reads it.
 fn path(path: &str) -> Result<String, String> {
     if path.contains(['\n', '\r']) {
         return Err(format!("{path}: this path contains a line break, which Ninja cannot read; rename it"));

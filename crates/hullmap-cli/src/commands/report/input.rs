@@ -23,11 +23,8 @@ use hullmap_verify::estimates::PartsEstimates;
 use hullmap_verify::geometry::polygons;
 use hullmap_verify::pack::{HullVerification, Reference, verify_hulls};
 
-/// Everything that the page of a file shows.
 pub enum Analysed {
-    /// The analysis of a pack.
     Pack(Box<Analysis>),
-    /// The report of a triangle mesh.
     Mesh(Box<MeshReport>),
 }
 
@@ -40,7 +37,6 @@ impl Analysed {
         }
     }
 
-    /// The card on the page of a folder; `link` leads to the page.
     pub fn card(&self, name: String, link: String) -> Card {
         match self {
             Self::Pack(pack) => Card::new(name, pack, link),
@@ -48,7 +44,6 @@ impl Analysed {
         }
     }
 
-    /// The file.
     pub fn file(&self) -> &str {
         match self {
             Self::Pack(pack) => &pack.file,
@@ -56,7 +51,6 @@ impl Analysed {
         }
     }
 
-    /// Why it is rejected.
     pub fn faults(&self) -> &[String] {
         match self {
             Self::Pack(pack) => &pack.remarks.faults,
@@ -65,12 +59,10 @@ impl Analysed {
     }
 }
 
-/// Maximum number of warnings about one pack.
 const MAX_WARNINGS: usize = 100;
 
-/// Opens, verifies and analyses a file; `given` is the path that `--source` gives for it. `folders`
-/// remembers the folders that were read for other files. Fails if the file cannot be read or is
-/// invalid, or `--source` leads to no file. Faults of a file that opens are part of the analysis.
+/// Opens, verifies and analyses a file; `given` is its path by `--source`. `folders` remembers
+/// folders read before. Faults of a file that opens are part of the analysis.
 pub fn analyse_file(
     place: &PackPlace,
     given: Option<&Path>,
@@ -158,7 +150,6 @@ fn estimates(found: PartsEstimates) -> report::PartsEstimates {
     }
 }
 
-/// Notes on how the parts of an object fit together, if this is the first of them.
 fn about_fit(result: &HullVerification) -> Vec<Remark> {
     let first = result.parts.filter(|_| result.part_of[0] == 0);
     let Some((estimates, hull)) = first.zip(result.hull.as_deref()) else { return Vec::new() };

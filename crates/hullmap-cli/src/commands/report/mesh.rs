@@ -16,8 +16,7 @@ use crate::source::{Folders, Source};
 use crate::triangle_mesh::{MeshSummary, adapted, t_junctions_of};
 use hullmap_verify::triangle_mesh::{MeshVerification, SourceTriangles, verify_mesh};
 
-/// Verifies and describes a mesh; `given` is the path that `--source` gives for it. Fails if
-/// `--source` leads to no file. Faults of the mesh are part of the report.
+/// Faults of the mesh are part of the report.
 pub fn analyse_mesh(
     place: &PackPlace,
     opened: &BakedFile,
@@ -61,7 +60,6 @@ pub fn analyse_mesh(
     }))
 }
 
-/// Verifies the mesh as `bake verify` does. Problems become faults.
 fn verify(
     mesh: &TriangleMesh,
     source: Option<&Source>,

@@ -29,9 +29,7 @@ use hullmap_bake::number::grouped;
 use input::{Analysed, analyse_file};
 use shards::ShardCards;
 
-/// Runs the command. Fails if the input cannot be read or holds no pack, a single pack does not
-/// open, or a page cannot be written. Pages report faults of packs that open, and packs of a folder
-/// that do not open.
+/// Pages report faults of packs that open, and packs of a folder that do not open.
 pub fn run(args: &ReportArgs, out: &mut Output) -> Result<Exit, Failure> {
     if args.out.is_dir() || args.out.file_name().is_none() {
         let message = format!("--out {}: is a folder; name the HTML file to write", args.out.display());
@@ -114,7 +112,6 @@ fn report_folder(
     end(exit, print_written(&target, count, bytes + page.len(), out))
 }
 
-/// The overview of pages that shards have written.
 fn merge(args: &ReportArgs, places: &[PackPlace], out: &mut Output) -> Result<Exit, Failure> {
     let names: Vec<String> = places.iter().map(|place| name_of(args, place)).collect();
     let cards = shards::merged(&args.out.with_file_name(pages_folder(&args.out)), &names)?;
@@ -124,8 +121,7 @@ fn merge(args: &ReportArgs, places: &[PackPlace], out: &mut Output) -> Result<Ex
     end(exit, print_written(&args.out, cards.len(), page.len(), out))
 }
 
-/// Name of a pack's card: its path below the folder, without extension. A triangle mesh keeps it,
-/// to differ from a pack.
+/// Path below the folder, without extension. A triangle mesh keeps it, to differ from a pack.
 fn name_of(args: &ReportArgs, place: &PackPlace) -> String {
     let below = place.path.strip_prefix(&args.input).unwrap_or(&place.path);
     match kind_by_name(below) {
@@ -141,8 +137,7 @@ fn print_written(file: &Path, count: usize, bytes: usize, out: &mut Output) -> R
     Ok(())
 }
 
-/// The page of the pack at `below` the input folder, and its path relative to the folder of the
-/// page at `index`.
+/// The page of the pack at `below` the input folder, and its path relative to the page at `index`.
 fn page_in_folder(pack: &Analysed, below: &Path, index: &Path) -> (PathBuf, String) {
     let mut file = below.as_os_str().to_owned();
     file.push(".html");
@@ -151,7 +146,6 @@ fn page_in_folder(pack: &Analysed, below: &Path, index: &Path) -> (PathBuf, Stri
     (PathBuf::from(pages_folder(index)).join(file), pack.page(Some(&index_link)))
 }
 
-/// The folder of the packs' pages, beside `page`: `report.html` has `report.pages`.
 fn pages_folder(page: &Path) -> OsString {
     let mut name = page.file_stem().unwrap_or_default().to_owned();
     name.push(".pages");
@@ -162,7 +156,6 @@ fn exit_of(pack: &Analysed) -> Exit {
     if pack.faults().is_empty() { Exit::Done } else { Exit::Rejected }
 }
 
-/// Prints a pack's faults to standard error.
 fn print_faults(pack: &Analysed) {
     for fault in pack.faults() {
         let file = if fault.starts_with(pack.file()) { String::new() } else { format!("{}: ", pack.file()) };

@@ -10,9 +10,7 @@ use crate::open::kept_warnings;
 use crate::options::BuildOptions;
 use crate::source::Source;
 
-/// Remarks of the import, and about the pack's parts and hulls.
-///
-/// Without a source, the hulls themselves are checked for coordinates far from the origin.
+/// Remarks about the import and the hulls. Without a source, hulls are checked for far coordinates.
 pub fn remarks(pack: &Pack, source: Option<&Source>) -> Remarks {
     let mut remarks = Remarks::default();
     if let Some(source) = source {
@@ -57,14 +55,12 @@ fn about_object(
     is_cut.then(|| advice::parts(name, parts.len(), fit(parts), size, reachable))
 }
 
-/// The fit of all parts of one object together; `None` if it was not measured.
 fn fit(parts: &[Hull]) -> Option<PartsFit> {
     let first = parts.first()?;
     let protrusion = parts.iter().filter_map(Hull::protrusion).fold(0.0, f64::max);
     Some(PartsFit { solid: first.solid()?, uncovered: first.uncovered()?, protrusion })
 }
 
-/// Remarks on one hull; `is_cut` states whether the bake made it as a part of a mesh.
 fn about_hull(hull: &Hull, is_cut: bool) -> Vec<Remark> {
     let max_coordinate = hull.bounds().iter().map(|corner| corner.abs().max_element()).fold(0.0, f32::max);
     let measures = HullMeasures {

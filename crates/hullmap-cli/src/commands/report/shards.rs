@@ -15,7 +15,6 @@ use crate::outcome::Failure;
 /// Maximum size of a shard's cards in bytes: about a hundred thousand packs.
 const MAX_BYTES: u64 = 1 << 30;
 
-/// The cards of one shard.
 #[derive(Deserialize, Serialize)]
 pub struct ShardCards {
     index: u32,
@@ -24,19 +23,16 @@ pub struct ShardCards {
 }
 
 impl ShardCards {
-    /// The cards of a shard.
     pub fn new(shard: Shard, cards: Vec<Card>) -> Self {
         Self { index: shard.index(), count: shard.count(), cards }
     }
 }
 
-/// File of a shard's cards, in the folder of the pages.
 pub fn file(pages: &Path, shard: Shard) -> PathBuf {
     pages.join(format!("shard-{}-of-{}.json", shard.index(), shard.count()))
 }
 
-/// The cards of all `names`, in that order, from the files in the folder of the pages. Fails if a
-/// shard or a card is missing, or a file cannot be read or is not what a shard has written.
+/// The cards of all `names`, in that order, from the files in the folder of the pages.
 pub fn merged(pages: &Path, names: &[String]) -> Result<Vec<Card>, Failure> {
     let shards = read_all(pages)?;
     let Some(count) = shards.first().map(|shard| shard.count) else {

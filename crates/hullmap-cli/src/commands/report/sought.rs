@@ -1,5 +1,3 @@
-//! The source of a file, for its page.
-
 use std::path::Path;
 
 use crate::args::ReportArgs;
@@ -8,9 +6,7 @@ use crate::outcome::{Exit, Failure};
 use crate::packs::PackPlace;
 use crate::source::{Folders, Recorded, Source, SourceSearch, find_source};
 
-/// Result of the search for a source.
 pub struct Sought {
-    /// The source, if it was found.
     pub source: Option<Source>,
     /// Why it was not found, as the start of a sentence.
     pub absent: String,
@@ -42,8 +38,7 @@ pub fn seek_source(
     Ok(Sought { source, absent })
 }
 
-/// The source's name on the page. An absolute path would name folders of this machine, so the
-/// recorded path is shown instead.
+/// The recorded path instead of an absolute one, which would name folders of this machine.
 pub fn source_name(source: &Source, recorded: &str) -> String {
     if source.path.is_absolute() && !recorded.is_empty() {
         return recorded.to_owned();

@@ -1,5 +1,3 @@
-//! Decides what replaces each collision: a hull, parts, or nothing.
-
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -20,89 +18,65 @@ use crate::outcome::Failure;
 /// Options that are lengths of the robot, in metres.
 const LENGTHS: [&str; 3] = ["max_error", "min_thickness", "reachable"];
 
-/// What replaces a shape.
 #[derive(Debug)]
 pub enum Choice {
-    /// These hulls: an index among [`Choices::hulls`].
     Hulls(usize),
     /// A primitive that is drawn becomes a collision.
     Primitive,
     /// A collision is replaced by the collisions from visuals.
     Removed,
-    /// It is kept, for this reason.
     Kept(String),
 }
 
-/// A shape and what becomes of it.
 #[derive(Debug)]
 pub struct ShapeChoice {
-    /// Index of the link.
     pub link: usize,
     /// Index among its collisions, or visuals.
     pub shape: usize,
-    /// Whether a collision is made from a visual.
     pub from_visual: bool,
-    /// What replaces it.
     pub choice: Choice,
 }
 
-/// Hulls of a job that stand for one mesh.
 #[derive(Debug)]
 pub struct HullsOf {
-    /// Index of the job.
     pub job: usize,
-    /// Stem of the names of their files.
     pub stem: String,
-    /// The mesh.
     pub mesh: MeshUse,
 }
 
-/// Names and jobs assigned so far.
 #[derive(Default)]
 struct Known {
-    /// By file and options.
     jobs: BTreeMap<(PathBuf, String), usize>,
     /// By job and submesh.
     hulls: BTreeMap<(usize, Option<Submesh>), usize>,
-    /// Stems that are taken.
     stems: BTreeSet<String>,
 }
 
-/// The choices for a description, and the bakes that they need.
 #[derive(Debug, Default)]
 pub struct Choices {
     /// In the order of the description.
     pub shapes: Vec<ShapeChoice>,
-    /// One for each file and set of options.
     pub jobs: Vec<Job>,
-    /// One for each mesh and set of options.
     pub hulls: Vec<HullsOf>,
-    /// Findings to act on.
     pub warnings: Vec<String>,
     /// Faults of the description, each with its line.
     pub errors: Vec<String>,
 }
 
 impl Choices {
-    /// The shape that a choice is about.
     pub fn shape<'d>(&self, own: &ShapeChoice, description: &'d Description) -> &'d Shape {
         let link = &description.links[own.link];
         if own.from_visual { &link.visuals[own.shape] } else { &link.collisions[own.shape] }
     }
 }
 
-/// Chooses for each collision of a description.
 pub struct Chooser<'a> {
-    /// The command line.
     pub args: &'a RobotArgs,
-    /// The description.
     pub description: &'a Description,
-    /// Where its hulls go.
     pub target: &'a Target,
 }
 
 impl Chooser<'_> {
-    /// All choices. Fails if a `hullmap.toml` cannot be read.
     pub fn choose(&self, configs: &mut Configs) -> Result<Choices, Failure> {
         let mut choices = Choices::default();
         let mut known = Known { stems: self.names_of_sources(), ..Known::default() };
@@ -130,7 +104,6 @@ impl Chooser<'_> {
         Ok(choices)
     }
 
-    /// Whether the collisions of a link are made from its visuals.
     fn takes_visuals(&self, link: &Link) -> bool {
         let is_skipped = self.args.skip.iter().any(|glob| matches(glob, &link.name));
         let has_mesh = link.visuals.iter().any(|shape| matches!(shape.geometry, Geometry::Mesh(_)));
@@ -231,7 +204,6 @@ impl Chooser<'_> {
     }
 }
 
-/// Whether a collision of a link was made by an earlier run.
 fn has_hulls(link: &Link) -> bool {
     link.collisions.iter().any(|shape| match &shape.geometry {
         Geometry::Mesh(mesh) => mesh.file.as_ref().is_ok_and(|file| is_own(file)),
@@ -239,7 +211,6 @@ fn has_hulls(link: &Link) -> bool {
     })
 }
 
-/// Whether a glob matches the name of a link.
 fn matches(glob: &crate::glob::Glob, link: &str) -> bool {
     glob.matches(Some(Path::new(link)), Path::new(link))
 }
@@ -248,7 +219,6 @@ fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Whether a stem may be the stem of a hull's file.
 fn is_ending(stem: &str) -> bool {
     stem.ends_with("_hull") || stem.contains("_part_")
 }
@@ -279,7 +249,6 @@ fn set(layer: &mut OptionLayer, key: &str, value: Value) {
     }
 }
 
-/// Converts lengths of the robot to lengths of a mesh that is drawn `stretch` times as large.
 fn scale_lengths(layer: &mut OptionLayer, stretch: f64) {
     for key in LENGTHS {
         if let Some(Value::Number(length)) = layer.get(key) {

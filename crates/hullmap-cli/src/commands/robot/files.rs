@@ -1,5 +1,3 @@
-//! The files of an edited description: compared with the disk, then written.
-
 use std::collections::BTreeSet;
 use std::io::{ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
@@ -10,26 +8,20 @@ use crate::mesh_file::obj;
 use crate::outcome::Failure;
 use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, through_link, write_beside};
 
-/// A file to be written.
 #[derive(Debug)]
 pub struct Output {
     pub path: PathBuf,
     pub bytes: Vec<u8>,
 }
 
-/// State of a file on disk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum State {
-    /// It has these bytes.
     Same,
-    /// It has others.
     Other,
-    /// It does not exist.
     Missing,
 }
 
 impl Output {
-    /// Compares the file on disk. Fails if it cannot be read.
     pub fn state(&self) -> Result<State, Failure> {
         let fail = |error: std::io::Error| {
             Failure::usage(format!("{}: cannot read: {error}; check the path", self.path.display()))
@@ -48,7 +40,6 @@ impl Output {
         Ok(if bytes == self.bytes { State::Same } else { State::Other })
     }
 
-    /// Writes a file that the user named, unless it has these bytes already.
     pub fn write_if_changed(&self) -> Result<(), Failure> {
         if self.state()? == State::Same { Ok(()) } else { self.write(folder_of(&self.path)) }
     }
@@ -68,14 +59,12 @@ impl Output {
     }
 }
 
-/// Whether a regular file starts with a text.
 pub fn starts_with(path: &Path, text: &str) -> bool {
     let mut start = Vec::new();
     let read = open_regular(path).and_then(|file| file.take(text.len() as u64).read_to_end(&mut start));
     read.is_ok() && start == text.as_bytes()
 }
 
-/// Unused hulls in a folder: hulls of links or parts that no longer exist.
 pub fn left_over(folder: &Path, used: &BTreeSet<PathBuf>) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let is_hull = |path: &PathBuf| {

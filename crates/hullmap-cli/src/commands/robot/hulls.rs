@@ -1,5 +1,3 @@
-//! The hulls that stand for a mesh, as files and as shapes.
-
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -18,40 +16,26 @@ use crate::open::open_pack;
 use crate::outcome::Failure;
 use hullmap_verify::geometry::positions;
 
-/// The hulls that stand for a mesh.
 pub struct Hulls {
-    /// The pack of its file.
     pub file: PathBuf,
-    /// A pack of these hulls alone.
     pub pack: Arc<Pack>,
-    /// Absolute paths of the meshes, and their bytes.
     pub files: Vec<Output>,
-    /// Number of vertices, over all hulls.
     pub vertices: usize,
-    /// Whether the mesh was cut into parts.
     pub is_parts: bool,
     /// Bound on the protrusion of the parts, in units of the mesh.
     pub protrusion: Option<f64>,
     /// Bound on how far the surface lies outside of the parts, in units of the mesh.
     pub uncovered: Option<f64>,
-    /// Why programs cannot use them, and the remedy.
     pub fault: Option<Fault>,
     /// Mass properties of the mesh, at density 1; `None` if it is not closed.
     pub mass: Option<MassProperties>,
 }
 
-/// Why hulls are not used.
 pub struct Fault {
-    /// The reason.
     pub reason: String,
-    /// What to do.
     pub remedy: &'static str,
 }
 
-/// Reads the hulls of a mesh from the pack of its job.
-///
-/// # Errors
-/// The pack cannot be read.
 pub fn read_hulls(jobs: &[Job], own: &HullsOf, meshes: &mut Meshes) -> Result<Hulls, Failure> {
     let job = &jobs[own.job];
     let whole = open_pack(&job.output)?;
@@ -98,7 +82,6 @@ pub fn read_hulls(jobs: &[Job], own: &HullsOf, meshes: &mut Meshes) -> Result<Hu
     Ok(Hulls { file: job.output.clone(), pack, files, vertices, is_parts, protrusion, uncovered, fault, mass })
 }
 
-/// The name of the object that a hull is, or is a part of.
 fn object(hull: &Hull) -> String {
     let name = hull.name();
     let whole = if hull.part_count() > 1 { name.rsplit_once("_part_").map(|(name, _)| name) } else { None };

@@ -12,9 +12,7 @@ use hullmap_robot::{Frame, MeshUse};
 pub struct Body {
     /// At density 1.
     pub own: MassProperties,
-    /// The mesh, which states how it is scaled.
     pub mesh: MeshUse,
-    /// Its frame in the link's.
     pub pose: Frame,
 }
 
@@ -61,7 +59,6 @@ mod tests {
 
     use super::*;
 
-    /// A unit cube at the origin of its frame, in the octant of positive coordinates.
     fn cube(scale: [f64; 3], pose: [f64; 6]) -> Body {
         let own = MassProperties {
             mass: 1.0,
@@ -74,7 +71,6 @@ mod tests {
         Body { own, mesh, pose: Frame::of_xyz_rpy(pose) }
     }
 
-    /// Inertia of a box about its centre, by the textbook.
     fn of_box(mass: f64, [x, y, z]: [f64; 3]) -> DMat3 {
         DMat3::from_diagonal(DVec3::new(y * y + z * z, x * x + z * z, x * x + y * y) * (mass / 12.0))
     }

@@ -9,8 +9,7 @@ use super::target::Target;
 use crate::mesh_file::names::token;
 use crate::mesh_file::obj;
 
-/// The files of these meshes, beside the hulls. In the description, each mesh then leads to its
-/// file.
+/// Afterwards, each mesh of the description leads to its file.
 pub fn extract(description: &mut Description, target: &Target) -> Vec<Output> {
     let (mut known, mut taken) = (BTreeMap::new(), BTreeSet::new());
     let mut outputs = Vec::new();

@@ -16,9 +16,7 @@ use hullmap_robot::{MeshUse, Submesh};
 use crate::pack_file::shown_from;
 use crate::source_mesh::display_mesh;
 
-/// A mesh file.
 pub struct Mesh {
-    /// What is drawn.
     pub display: DisplayMesh,
     /// The point of the file that became the origin: the centre of a submesh.
     pub moved: DVec3,
@@ -28,7 +26,6 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// The convex hull, as a pack of one.
     pub fn hull(&self) -> Result<&Arc<Pack>, &String> {
         self.hull.get_or_init(|| hull_of(&self.points, IndexKind::None)).as_ref()
     }
@@ -43,16 +40,13 @@ impl Mesh {
     }
 }
 
-/// The mesh files that were read.
 pub struct Meshes {
     limits: Limits,
     known: BTreeMap<(PathBuf, Option<Submesh>), Option<Arc<Mesh>>>,
-    /// Why files could not be read.
     pub faults: Vec<String>,
 }
 
 impl Meshes {
-    /// No file yet.
     pub fn new(limits: Limits) -> Self {
         Self { limits, known: BTreeMap::new(), faults: Vec::new() }
     }

@@ -7,8 +7,7 @@
 //! 4. The hulls are written as OBJ files beside the packs, and the description last, so that it
 //!    never names a file that does not exist.
 //!
-//! A description that fails is reported, and nothing of it is written except packs. The other
-//! descriptions are still processed.
+//! Nothing is written for a description that fails, except packs. The others are still processed.
 
 mod bodies;
 mod choice;
@@ -55,12 +54,10 @@ use pairs::{Pairs, Sampling};
 use rows::{Collision, ExcludedPair, Row, Status};
 use target::Target;
 
-/// A description that was read, and what becomes of it.
 struct Robot {
     description: Description,
     target: Target,
     choices: Choices,
-    /// Files of the meshes that it contains.
     inline: Vec<files::Output>,
     /// Names of packages that lead to no file from the output.
     unreachable: Vec<String>,
@@ -68,8 +65,6 @@ struct Robot {
     first_job: usize,
 }
 
-/// Runs the command. Fails if flags are wrong or a `hullmap.toml` cannot be read. Failures of
-/// single descriptions are reported in their rows and in the exit code.
 pub fn run(args: &RobotArgs, out: &mut Output) -> Result<Exit, Failure> {
     interrupt::catch();
     check_flags(args)?;
@@ -154,7 +149,7 @@ fn check_flags(args: &RobotArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Reads a description and decides what becomes of it. Several faults are reported together.
+/// Reads a description and decides on its collisions. Several faults are reported together.
 fn prepare(args: &RobotArgs, input: &Path, configs: &mut Configs) -> Result<Robot, Vec<Failure>> {
     let one = |failure| vec![failure];
     let place = PackPlace { path: input.to_owned(), below: PathBuf::new() };
@@ -192,7 +187,6 @@ fn failure(error: &RobotError) -> Failure {
 
 type Prepared = (Row, Result<Robot, Vec<Failure>>);
 
-/// Bakes the jobs of all descriptions.
 fn bake(args: &RobotArgs, robots: &[Prepared], project: &Path) -> Result<Vec<(build_rows::Row, Exit)>, Failure> {
     let ready = || robots.iter().filter_map(|(_, robot)| robot.as_ref().ok());
     let jobs: Vec<&Job> = ready().flat_map(|robot| &robot.choices.jobs).collect();
@@ -223,7 +217,6 @@ fn bake(args: &RobotArgs, robots: &[Prepared], project: &Path) -> Result<Vec<(bu
     runner::run(&jobs, &build, &args.run)
 }
 
-/// Writes the files of a description, or compares them.
 fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row: &mut Row) -> Result<Exit, Failure> {
     row.format = Some(robot.description.format.name());
     row.links = Some(robot.description.links.len());
@@ -294,7 +287,6 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
     Ok(exit)
 }
 
-/// Adds notes and warnings about a description.
 fn remarks(args: &RobotArgs, robot: &Robot, row: &mut Row) {
     let Robot { description, target, choices, unreachable, .. } = robot;
     row.notes.extend(description.notes.iter().cloned());
@@ -309,17 +301,14 @@ fn remarks(args: &RobotArgs, robot: &Robot, row: &mut Row) {
     }
 }
 
-/// Number of names in a note.
 const NAMES_IN_NOTE: usize = 5;
 
-/// The first names, and how many others there are.
 fn listed(names: impl ExactSizeIterator<Item = String>) -> String {
     let others = names.len().saturating_sub(NAMES_IN_NOTE);
     let first: Vec<String> = names.take(NAMES_IN_NOTE).collect();
     if others == 0 { first.join(", ") } else { format!("{} and {others} more", first.join(", ")) }
 }
 
-/// A note about links that have no collision, but visuals: whether they get one.
 fn links_without_collision(description: &Description, choices: &Choices, from_visual: FromVisual) -> Option<String> {
     let gets_one: BTreeSet<usize> = choices.shapes.iter().filter(|own| own.from_visual).map(|own| own.link).collect();
     let links = description.links.iter().enumerate().filter(|(_, link)| link.collisions.is_empty());
@@ -341,10 +330,8 @@ fn links_without_collision(description: &Description, choices: &Choices, from_vi
     })
 }
 
-/// Lists the pairs that are excluded. For a URDF file, they are written to a separate file.
-///
-/// # Errors
-/// That file exists and was not written by this command.
+/// The pairs of a URDF file go to a separate file, unless one exists that this command did not
+/// write.
 fn exclude(
     args: &RobotArgs,
     description: &Description,
@@ -367,8 +354,7 @@ fn exclude(
     Ok(Some(output))
 }
 
-/// Names of meshes that stay, by package or model, and lead to no file, or to another one, if the
-/// description is written elsewhere.
+/// Packages or models of kept meshes whose names lead elsewhere from the description's new place.
 fn unreachable(description: &Description, target: &Target, choices: &Choices, places: &Places) -> Vec<String> {
     let kept = choices.shapes.iter().filter(|own| matches!(own.choice, Choice::Kept(_)));
     let kept = kept.map(|own| choices.shape(own, description));
@@ -387,20 +373,17 @@ fn unreachable(description: &Description, target: &Target, choices: &Choices, pl
     lost.map(|(name, _)| name.to_owned()).collect()
 }
 
-/// The meshes that the edited description may name.
 fn used(description: &Description, outputs: &[files::Output]) -> BTreeSet<PathBuf> {
     let meshes = description.links.iter().flat_map(Link::meshes);
     let meshes = meshes.filter_map(|mesh| mesh.file.as_ref().ok()?.canonicalize().ok());
     meshes.chain(outputs.iter().map(|output| output.path.clone())).collect()
 }
 
-/// A path as the user would name it.
 fn shown(path: &Path) -> String {
     let path = if path.is_absolute() { shown_from(path, Path::new(".")) } else { path.to_owned() };
     path.display().to_string()
 }
 
-/// The changes of the description, and a row for each collision.
 fn changes(
     description: &Description,
     target: &Target,
@@ -503,7 +486,6 @@ fn inertias(description: &Description, choices: &Choices, hulls: &[Hulls], row: 
     changes
 }
 
-/// Files that the description names by relative paths, if it is written to another folder.
 fn copies(description: &Description, target: &Target, documents: &[Vec<u8>]) -> Result<Vec<files::Output>, Failure> {
     if !target.is_elsewhere() {
         return Ok(Vec::new());
@@ -564,7 +546,6 @@ fn would_be_replaced(input: &Path) -> Failure {
     Failure::usage(format!("{}: {message}", input.display()))
 }
 
-/// Fails if an input would be replaced by other bytes.
 fn check_inputs(args: &RobotArgs, description: &Description, outputs: &[files::Output]) -> Result<(), Failure> {
     if args.force {
         return Ok(());
@@ -579,7 +560,6 @@ fn check_inputs(args: &RobotArgs, description: &Description, outputs: &[files::O
     Ok(())
 }
 
-/// Compares the files with the disk, and writes files that differ, unless `--check`.
 fn settle(args: &RobotArgs, target: &Target, outputs: &[files::Output], row: &mut Row) -> Result<Exit, Failure> {
     let states: Vec<State> = outputs.iter().map(files::Output::state).collect::<Result<_, _>>()?;
     let changed: Vec<&files::Output> =

@@ -1,5 +1,4 @@
-//! The report page of a robot: what `hullmap-report` draws, gathered from the description, the
-//! packs and the mesh files.
+//! The report page of a robot, from the description, the packs and the mesh files.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -17,12 +16,10 @@ use super::pairs::Pairs;
 use super::rows::Row;
 use hullmap_verify::geometry::polygons;
 
-/// What identifies a mesh of the page.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 enum Key {
     File(FileKey),
     HullOf(FileKey),
-    /// One of several hulls.
     Hull(usize, usize),
     Primitive(String),
 }
@@ -33,19 +30,13 @@ fn key(mesh: &MeshUse) -> Option<FileKey> {
     Some((mesh.file.as_ref().ok()?.clone(), mesh.submesh.clone()))
 }
 
-/// Gathers what the page draws.
 pub struct Gatherer<'a> {
-    /// The description.
     pub description: &'a Description,
-    /// What replaces its collisions.
     pub choices: &'a Choices,
-    /// The hulls of the meshes.
     pub hulls: &'a [Hulls],
-    /// Mesh files.
     pub meshes: &'a mut Meshes,
 }
 
-/// The page of a robot.
 pub fn page(gatherer: Gatherer, pairs: &Pairs, row: &Row) -> String {
     let description = gatherer.description;
     let mut canvas = Canvas { gatherer, known: BTreeMap::new(), meshes: Vec::new() };
@@ -93,7 +84,6 @@ fn joint(joint: &Joint) -> report::Joint {
     }
 }
 
-/// The meshes of a page, each once.
 struct Canvas<'a> {
     gatherer: Gatherer<'a>,
     known: BTreeMap<Key, usize>,
@@ -139,7 +129,6 @@ impl Canvas<'_> {
         }
     }
 
-    /// Protrusion of a collision that is a hull of its whole mesh, in millimetres.
     fn protrusion_mm(&mut self, own: &ShapeChoice) -> Option<f64> {
         let shape = self.gatherer.choices.shape(own, self.gatherer.description);
         match own.choice {
@@ -155,7 +144,6 @@ impl Canvas<'_> {
         Some(protrusion * mesh.stretch() * 1000.0)
     }
 
-    /// A new collision.
     fn after(&mut self, own: &ShapeChoice) -> Vec<report::Shape> {
         let shape = self.gatherer.choices.shape(own, self.gatherer.description);
         match (&own.choice, &shape.geometry) {
@@ -172,14 +160,12 @@ impl Canvas<'_> {
         }
     }
 
-    /// A shape as it is drawn.
     fn as_is(&mut self, shape: &Shape, layer: report::Layer) -> Option<report::Shape> {
         let Geometry::Mesh(mesh) = &shape.geometry else { return self.as_primitive(shape, layer) };
         let own = self.gatherer.meshes.get(mesh)?;
         self.placed(Key::File(key(mesh)?), || own.display.clone(), mesh, shape, layer)
     }
 
-    /// A shape as engines use it: a mesh becomes its hull.
     fn as_hull(&mut self, shape: &Shape, layer: report::Layer) -> Option<report::Shape> {
         let Geometry::Mesh(mesh) = &shape.geometry else { return self.as_primitive(shape, layer) };
         let own = self.gatherer.meshes.get(mesh)?;
@@ -197,7 +183,6 @@ impl Canvas<'_> {
         Some(report::Shape { layer, mesh, in_link: columns(axes, frame.translation) })
     }
 
-    /// A mesh where a shape places it.
     fn placed(
         &mut self,
         key: Key,
@@ -213,7 +198,6 @@ impl Canvas<'_> {
         Some(report::Shape { layer, mesh, in_link: columns(axes, frame.apply(origin)) })
     }
 
-    /// The index of a mesh, which is made if it is new.
     fn mesh(&mut self, key: Key, make: impl FnOnce() -> DisplayMesh) -> Option<usize> {
         let next = self.meshes.len();
         let index = *self.known.entry(key).or_insert(next);

@@ -1,5 +1,3 @@
-//! Which pairs of links touch in the neutral pose, before and after, and which should be excluded.
-
 use hullmap_planning::{Convex, hulls as hulls_of, shape_of_primitive};
 use hullmap_report::robot::{Excluded, Touching};
 use hullmap_robot::{Change, CollisionFilter, Description, DisabledPair, Format, Frame, Geometry, Shape, srdf};
@@ -15,26 +13,20 @@ use super::touching::Bodies;
 /// Maximum number of links whose pairs are tested.
 const MAX_LINKS: usize = 1500;
 
-/// How random configurations are chosen.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampling {
-    /// Number of configurations.
     pub count: u32,
-    /// Seed of the configurations.
     pub seed: u64,
 }
 
-/// The pairs of a robot.
 pub struct Pairs {
     /// Its collisions, with meshes as their hulls.
     pub before: Bodies,
     /// Its new collisions.
     pub after: Bodies,
-    /// Pairs that touch in the neutral pose.
     pub touching: Vec<Touching>,
     /// Pairs to exclude.
     pub excluded: Vec<Excluded>,
-    /// Pairs that the description itself leaves untested.
     pub skipped: Vec<Excluded>,
     neutral: Vec<Frame>,
     sampling: Sampling,
@@ -44,7 +36,6 @@ pub struct Pairs {
 }
 
 impl Pairs {
-    /// Tests all pairs of links of one robot in the neutral pose, and in random ones.
     pub fn new(
         description: &Description,
         choices: &Choices,
@@ -84,12 +75,10 @@ impl Pairs {
         Self { before, after, touching, excluded, skipped, neutral, sampling, format: description.format, is_cut }
     }
 
-    /// The frame of each link in the neutral pose.
     pub fn neutral(&self) -> &[Frame] {
         &self.neutral
     }
 
-    /// How the pairs to exclude were found.
     pub fn in_words(&self) -> String {
         if self.is_cut {
             return format!("Not tested: the description has more than {MAX_LINKS} links.");
@@ -107,12 +96,10 @@ impl Pairs {
         }
     }
 
-    /// The change of an MJCF file that excludes the pairs.
     pub fn change(&self) -> Change {
         Change::Exclude { pairs: self.excluded.iter().map(|pair| pair.links).collect(), comment: self.in_words() }
     }
 
-    /// The SRDF file of a URDF file.
     pub fn srdf(&self, description: &Description) -> String {
         let name = |link: usize| description.links[link].name.as_str();
         let pair = |pair: &Excluded| DisabledPair { links: pair.links.map(name), reason: pair.reason };
@@ -121,9 +108,8 @@ impl Pairs {
     }
 }
 
-/// Why a pair is excluded. MuJoCo does not test neighbours, and skips distant pairs by their boxes.
-/// So excluding pairs that never touched would save nothing, and would lose contacts that the
-/// random configurations missed.
+/// MuJoCo does not test neighbours, and skips distant pairs by their boxes. Excluding pairs that
+/// never touched would save nothing, and lose contacts that the random configurations missed.
 fn reason(format: Format, pair: &Touching, seen: Seen) -> Option<&'static str> {
     let is_always = seen == Seen { together: true, apart: false };
     match format {
@@ -136,7 +122,6 @@ fn reason(format: Format, pair: &Touching, seen: Seen) -> Option<&'static str> {
     }
 }
 
-/// The pieces of the edited description.
 fn after(description: &Description, choices: &Choices, hulls: &[Hulls], meshes: &mut Meshes) -> Vec<Vec<Piece>> {
     let mut after: Vec<Vec<Piece>> = description.links.iter().map(|_| Vec::new()).collect();
     for own in &choices.shapes {

@@ -1,5 +1,3 @@
-//! Results of `bake robot`, as JSON and as text.
-
 use hullmap_report::robot::Excluded;
 use hullmap_robot::Description;
 use serde::Serialize;
@@ -8,78 +6,56 @@ use crate::outcome::Failure;
 use crate::table::{Align, Table, or_dash};
 use crate::terminal::{self, Output};
 
-/// State of a description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
-    /// Written, since something changed.
     Written,
-    /// All files are up to date.
     Fresh,
     /// With `--check`: it would change.
     Stale,
     /// With `--check`: there is no output yet.
     Missing,
-    /// Nothing of it was written.
     Failed,
 }
 
 /// One description. Field names are the JSON's.
 #[derive(Debug, Serialize)]
 pub struct Row {
-    /// The input.
     pub file: String,
-    /// The output.
     pub output: Option<String>,
-    /// `URDF`, `MJCF` or `SDF`.
     pub format: Option<&'static str>,
-    /// The result.
     pub status: Status,
     /// Why it is stale.
     pub reason: Option<String>,
-    /// Number of links.
     pub links: Option<usize>,
     /// Number of meshes that were baked; the others were fresh.
     pub baked: usize,
-    /// Every collision.
     pub collisions: Vec<Collision>,
     /// Pairs of links whose contacts are excluded, with `--exclude-pairs`.
     pub excluded_pairs: Option<Vec<ExcludedPair>>,
     /// Pairs of links that are not tested even without `--exclude-pairs`, with that option.
     pub skipped_pairs: Option<Vec<ExcludedPair>>,
-    /// Findings of interest.
     pub notes: Vec<String>,
-    /// Findings to act on.
     pub warnings: Vec<String>,
-    /// Why it failed.
     pub errors: Vec<String>,
     /// Time for its files, without the bakes, in milliseconds.
     pub millis: f64,
 }
 
-/// What replaced a collision.
 #[derive(Debug, Serialize)]
 pub struct Collision {
-    /// Its link, or body.
     pub link: String,
-    /// Its name; empty if it has none.
     pub name: String,
-    /// Line in its file.
     pub line: u32,
     /// `hull`, `parts`, `primitive` (a primitive that was only drawn), `removed` (replaced by the
     /// collisions from visuals) or `kept`.
     pub action: &'static str,
-    /// Why it was kept.
     pub reason: Option<String>,
-    /// Whether it was made from a visual.
     pub from_visual: bool,
-    /// The mesh that was replaced.
     pub source: Option<String>,
-    /// The pack of the mesh.
     pub pack: Option<String>,
     /// The new meshes, as the description names them.
     pub meshes: Vec<String>,
-    /// Vertices of all new meshes.
     pub vertices: Option<usize>,
     /// Bound on the protrusion of the parts, in millimetres.
     pub protrusion_mm: Option<f64>,
@@ -87,24 +63,20 @@ pub struct Collision {
     pub uncovered_mm: Option<f64>,
 }
 
-/// A pair of links that is not tested.
 #[derive(Debug, Serialize)]
 pub struct ExcludedPair {
-    /// Names of the links.
     pub links: [String; 2],
-    /// Of excluded pairs, `Adjacent`, `Default`, `Always` or `Never`; of skipped pairs, in words.
+    /// `Adjacent`, `Default`, `Always` or `Never` for excluded pairs; words for skipped ones.
     pub reason: &'static str,
 }
 
 impl ExcludedPair {
-    /// A pair of a description.
     pub fn new(pair: &Excluded, description: &Description) -> Self {
         Self { links: pair.links.map(|link| description.links[link].name.clone()), reason: pair.reason }
     }
 }
 
 impl Row {
-    /// A description that has not been read.
     pub fn new(file: String) -> Self {
         Self {
             file,
@@ -124,7 +96,6 @@ impl Row {
         }
     }
 
-    /// Prints messages to standard error.
     pub fn print_messages(&self, is_quiet: bool) {
         for note in self.notes.iter().filter(|_| !is_quiet) {
             terminal::note(format_args!("{}: {note}", self.file));
@@ -135,8 +106,7 @@ impl Row {
         self.errors.iter().for_each(terminal::error);
     }
 
-    /// Writes a table of collisions, and a summary. Collisions that were kept are listed only if
-    /// `lists_all`.
+    /// Kept collisions are listed only if `lists_all`.
     pub fn write(&self, lists_all: bool, out: &mut Output) -> Result<(), Failure> {
         let mut table = Table::new(&[
             ("link", Align::Left),

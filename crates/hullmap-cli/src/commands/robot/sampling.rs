@@ -15,21 +15,14 @@ use super::touching::Bodies;
 /// Configurations that are tested before pairs that are decided are dropped.
 const CHUNK: usize = 64;
 
-/// What random configurations showed about a pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Seen {
-    /// Whether the two touched in one of them.
     pub together: bool,
-    /// Whether the two were apart in one of them.
     pub apart: bool,
 }
 
-/// Tests pairs of links in `count` random configurations. The result depends on the seed, not on
-/// the number of threads.
-///
-/// # Complexity
-/// At most `count` tests a pair; a pair that touches in one configuration and not in another is
-/// not tested any more.
+/// Tests pairs of links in up to `count` random configurations, until they touched and were apart.
+/// The result depends on the seed, not on the number of threads.
 pub fn sample(chain: &Chain, bodies: &Bodies, pairs: &[[usize; 2]], count: u32, seed: u64) -> Vec<Seen> {
     let mut random = SplitMix64::new(seed);
     let mut seen = vec![Seen::default(); pairs.len()];

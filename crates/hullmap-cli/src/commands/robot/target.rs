@@ -11,20 +11,17 @@ use crate::pack_file::{canonical_of_gone, folder_of, plain};
 /// Extensions of descriptions: an `--out` with one of these is a file.
 const EXTENSIONS: [&str; 6] = ["urdf", "xml", "mjcf", "sdf", "world", "xacro"];
 
-/// The files of one description.
 #[derive(Debug)]
 pub struct Target {
     /// The description, absolute.
     pub file: PathBuf,
     pub folder: PathBuf,
-    /// Folder of hulls and packs.
     pub meshes: PathBuf,
-    /// Folder of the input, canonical.
     pub source: PathBuf,
 }
 
 impl Target {
-    /// The target of a description. Links in its folder are resolved, so that relative paths hold.
+    /// Links in the description's folder are resolved, so that relative paths hold.
     ///
     /// In another folder than the input's, files that it names by relative paths are copied. If
     /// such a path climbs, the folders above the description are kept, so that nothing is written
@@ -68,7 +65,6 @@ impl Target {
     }
 }
 
-/// Whether `--out` names a file.
 pub fn is_file(args: &RobotArgs) -> bool {
     let extension = args.out.extension().and_then(|extension| extension.to_str());
     !args.out.is_dir() && extension.is_some_and(|own| EXTENSIONS.iter().any(|known| own.eq_ignore_ascii_case(known)))

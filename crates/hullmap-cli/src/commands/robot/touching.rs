@@ -5,14 +5,12 @@ use hullmap_robot::Frame;
 
 use super::bodies::Piece;
 
-/// Convex pieces of each link, and the balls that hold them.
 pub struct Bodies {
     pieces: Vec<Vec<Piece>>,
     balls: Vec<Option<(glam::DVec3, f64)>>,
 }
 
 impl Bodies {
-    /// The pieces of each link.
     pub fn new(pieces: Vec<Vec<Piece>>) -> Self {
         let ball = |own: &Vec<Piece>| {
             let (centre, _) = own.first()?.ball();
@@ -26,12 +24,10 @@ impl Bodies {
         Self { pieces, balls }
     }
 
-    /// Number of pieces of a link.
     pub fn count(&self, link: usize) -> usize {
         self.pieces[link].len()
     }
 
-    /// Whether two links touch, each placed in the world.
     pub fn touch(&self, [a, b]: [usize; 2], frames: &[Frame]) -> bool {
         let (Some((centre_a, radius_a)), Some((centre_b, radius_b))) = (self.balls[a], self.balls[b]) else {
             return false;

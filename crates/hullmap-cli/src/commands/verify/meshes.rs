@@ -1,12 +1,9 @@
-//! `bake verify`: the table of triangle meshes.
-
 use crate::outcome::Failure;
 use crate::table::{Align, Table, or_dash};
 use crate::terminal::{self, Output};
 use hullmap_bake::number::grouped;
 use hullmap_verify::triangle_mesh::MeshVerification;
 
-/// Errors, the table, and the summary.
 pub fn write_text(meshes: &[MeshVerification], out: &mut Output) -> Result<(), Failure> {
     for mesh in meshes {
         if let Some(problems) = mesh.verdict() {

@@ -26,8 +26,6 @@ use hullmap_verify::triangle_mesh::{MeshVerification, SourceTriangles, verify_me
 /// Maximum number of warnings that are printed about one pack. JSON has all of them.
 const MAX_WARNINGS: usize = 8;
 
-/// Runs the command. Fails if an input cannot be read, or a folder holds no packs. Problems with
-/// single packs are reported in their rows.
 pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
     if let Some(budget) = args.budget.as_deref().and_then(budget) {
         terminal::note(format_args!("the limits of {} are from {}", budget.name, budget.source));
@@ -79,7 +77,6 @@ pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
     end(exit, written)
 }
 
-/// Result of the verification of a file.
 enum Verified {
     Hulls(Vec<HullVerification>),
     Mesh(Box<MeshVerification>),
@@ -123,8 +120,7 @@ fn verify_file(
     }
 }
 
-/// The source of a file; `None` if there is none, with a note. Fails as [`find_source`] does, or if
-/// there is none and `--require-source` is given.
+/// Source of a file. Without one, prints a note, or fails if `--require-source` is given.
 fn source_of(
     place: &PackPlace,
     opened: &BakedFile,
@@ -153,7 +149,6 @@ fn source_of(
     }
 }
 
-/// Fails the hulls that exceed the budget of an engine. Results are in the order of the pack.
 fn judge_budget(name: &str, pack: &Pack, results: &mut [HullVerification]) {
     let Some(budget) = budget(name) else {
         return;
@@ -171,7 +166,6 @@ fn judge_budget(name: &str, pack: &Pack, results: &mut [HullVerification]) {
     }
 }
 
-/// Prints what engines cannot use well in the hulls of one pack: each sentence once.
 fn print_warnings(hulls: &[HullVerification]) {
     let mut texts: Vec<&str> = Vec::new();
     for text in hulls.iter().flat_map(|hull| &hull.warnings) {
@@ -191,7 +185,6 @@ fn print_warnings(hulls: &[HullVerification]) {
     }
 }
 
-/// Errors, warnings, the table, and the summary.
 fn write_text(results: &[HullVerification], lists_hulls: bool, out: &mut Output) -> Result<(), Failure> {
     for result in results.iter().filter(|result| !result.pass) {
         terminal::error(if result.hull.is_some() {
@@ -207,12 +200,10 @@ fn write_text(results: &[HullVerification], lists_hulls: bool, out: &mut Output)
     Ok(out.line(summary(results))?)
 }
 
-/// A number of vertices, directions or reads.
 fn count(value: Option<usize>) -> String {
     or_dash(value, |value| grouped(value as u64))
 }
 
-/// Whether the indices of these hulls are proven.
 fn index_word(hulls: &[HullVerification]) -> &'static str {
     if hulls.iter().any(|hull| hull.proven.is_none()) {
         "-"
@@ -223,7 +214,6 @@ fn index_word(hulls: &[HullVerification]) -> &'static str {
     }
 }
 
-/// One row for each pack, with the worst of its hulls.
 fn pack_table(results: &[HullVerification]) -> Table {
     let has_simplified = results.iter().any(HullVerification::is_simplified);
     let mut columns = vec![
@@ -283,7 +273,6 @@ fn pack_table(results: &[HullVerification]) -> Table {
     table
 }
 
-/// One row for each hull.
 fn hull_table(results: &[HullVerification]) -> Table {
     let has_simplified = results.iter().any(HullVerification::is_simplified);
     let mut columns = vec![
@@ -328,7 +317,6 @@ fn hull_table(results: &[HullVerification]) -> Table {
     table
 }
 
-/// Recorded outer error of a simplified hull, as a length and relative to the diameter.
 fn outer_error(result: &HullVerification) -> String {
     match (result.outer_error, result.diameter) {
         (Some(error), Some(diameter)) if error > 0.0 => {
@@ -338,8 +326,7 @@ fn outer_error(result: &HullVerification) -> String {
     }
 }
 
-/// `3 exact, 1 simplified, 0 failed`, and what was shown for simplified hulls and for packs without
-/// a source.
+/// `3 exact, 1 simplified, 0 failed`, and what was shown for simplified hulls and without a source.
 fn summary(results: &[HullVerification]) -> String {
     let passed: Vec<&HullVerification> = results.iter().filter(|result| result.pass).collect();
     let parts = passed.iter().filter(|result| result.result() == WITHIN_BOUNDS).count();
@@ -468,7 +455,6 @@ mod tests {
         assert_eq!(rows[0], ["a", "2", "2 000", "proven", "8e-9", "0", "2", "8", "source", "exact"]);
         assert_eq!((rows[1][0], rows[1][5], rows[1][9]), ("b", "1", "FAILED"));
         assert_eq!(rows[2], ["c", "-", "-", "-", "-", "-", "-", "-", "-", "FAILED"]);
-        // An error of 0 is not written as 0.0e0.
         assert_eq!(rows[3][..6], ["d", "1", "1 000", "proven", "0", "0"]);
         assert_eq!(rows.len(), 4);
     }

@@ -4,9 +4,8 @@
 //! Elements come in blocks of at most 256. A block stores the first bytes of all its elements, then
 //! the second ones, and so on: a *plane* for each byte of an element. A plane consists of groups of
 //! 16 bytes, each packed with 0, 1, 2, 4 or 8 bits a byte. Bytes that do not fit follow their
-//! group. Four planes are a *channel*, whose mode determines how differences become values: byte by
-//! byte, as two 16-bit numbers, or as one 32-bit number by exclusive or. Version 0 has only the
-//! first mode.
+//! group. The mode of four planes, a *channel*, determines how differences become values: bytes,
+//! 16-bit numbers, or a 32-bit number by exclusive or. Version 0 only has bytes.
 
 use super::bytes::{Bytes, Damage};
 
@@ -14,13 +13,10 @@ use super::bytes::{Bytes, Damage};
 const HEADER_0: u8 = 0xA0;
 const HEADER_1: u8 = 0xA1;
 
-/// Elements in a group.
 const GROUP: usize = 16;
 
-/// Maximum number of elements in a block.
 const BLOCK: usize = 256;
 
-/// Maximum number of bytes in a block.
 const BLOCK_BYTES: usize = 8192;
 
 /// Minimum length of the tail of version 0 and 1.
@@ -35,8 +31,7 @@ const BITS_1: [[u32; 4]; 2] = [[0, 1, 2, 4], [1, 2, 4, 8]];
 /// One byte of each element of a block.
 type Plane = [u8; BLOCK];
 
-/// Decodes `count` elements of `stride` bytes, where `stride` is a multiple of 4 from 4 to 256.
-/// Fails if the stream is not of that size or not valid. Complexity: O(`count` · `stride`).
+/// `stride` is a multiple of 4 from 4 to 256. Complexity: O(`count` · `stride`).
 pub fn decode(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, Damage> {
     let mut stream = Bytes(bytes);
     let channel_count = stride / 4;
@@ -133,9 +128,7 @@ fn read_group(stream: &mut Bytes, group: &mut [u8; GROUP], bits: u32) -> Result<
 /// How four bytes of an element follow from the bytes of the previous element.
 #[derive(Clone, Copy)]
 enum Mode {
-    /// Each byte is a difference.
     Bytes,
-    /// Two 16-bit differences.
     Shorts,
     /// A 32-bit number, rotated to the left by this many bits, then joined by exclusive or.
     Xor(u32),

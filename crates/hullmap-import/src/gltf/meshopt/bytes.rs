@@ -1,30 +1,24 @@
 //! Meshopt compression: a stream of bytes that are read in order.
 
-/// What is wrong with a stream, for messages.
 pub type Damage = &'static str;
 
-/// The stream has fewer bytes than its elements take.
 const CUT_OFF: Damage = "it ends too early";
 
-/// The bytes of a stream that were not read yet.
 pub struct Bytes<'a>(pub &'a [u8]);
 
 impl<'a> Bytes<'a> {
-    /// The next byte.
     pub fn byte(&mut self) -> Result<u8, Damage> {
         let (&first, rest) = self.0.split_first().ok_or(CUT_OFF)?;
         self.0 = rest;
         Ok(first)
     }
 
-    /// The next `count` bytes.
     pub fn take(&mut self, count: usize) -> Result<&'a [u8], Damage> {
         let (taken, rest) = self.0.split_at_checked(count).ok_or(CUT_OFF)?;
         self.0 = rest;
         Ok(taken)
     }
 
-    /// The last `count` bytes, which are removed from the stream.
     pub fn take_tail(&mut self, count: usize) -> Result<&'a [u8], Damage> {
         let at = self.0.len().checked_sub(count).ok_or(CUT_OFF)?;
         let (rest, tail) = self.0.split_at_checked(at).ok_or(CUT_OFF)?;
@@ -46,7 +40,6 @@ impl<'a> Bytes<'a> {
         Err("a number has more than five bytes")
     }
 
-    /// Fails if bytes are left.
     pub fn finish(&self) -> Result<(), Damage> {
         if self.0.is_empty() { Ok(()) } else { Err("it has bytes beyond its last element") }
     }

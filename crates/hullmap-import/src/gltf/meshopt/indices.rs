@@ -11,13 +11,10 @@ use super::bytes::{Bytes, Damage};
 const TRIANGLES: u8 = 0xE1;
 const INDICES: u8 = 0xD1;
 
-/// Bytes at the end of a stream of indices.
 const INDICES_TAIL: usize = 4;
 
-/// Entries of the table at the end of a stream of triangles.
 const TABLE: usize = 16;
 
-/// Entries of the queues.
 const QUEUE: u32 = 16;
 
 /// A nibble of a code that stands for an index in the data.
@@ -50,7 +47,6 @@ impl<T: Copy + Default> Queue<T> {
     }
 }
 
-/// State of the decoder of triangles.
 struct Triangles<'a> {
     data: Bytes<'a>,
     table: &'a [u8],
@@ -60,8 +56,7 @@ struct Triangles<'a> {
     vertices: Queue<u32>,
 }
 
-/// Decodes `count` indices of triangles, a multiple of three. Fails if the stream is not of that
-/// size or not valid. Complexity: O(`count`).
+/// `count` is a multiple of three. Complexity: O(`count`).
 pub fn decode_triangles(bytes: &[u8], count: usize) -> Result<Vec<u32>, Damage> {
     let mut stream = Bytes(bytes);
     if stream.byte()? != TRIANGLES {
@@ -88,7 +83,6 @@ impl Triangles<'_> {
         if high < 0xF { self.beside_edge(high, low) } else { self.apart(low) }
     }
 
-    /// A triangle that shares an edge with an earlier one.
     fn beside_edge(&mut self, edge: u8, third: u8) -> Result<[u32; 3], Damage> {
         let [a, b] = self.edges.get(edge)?;
         let c = match third {
@@ -155,8 +149,6 @@ impl Triangles<'_> {
     }
 }
 
-/// Decodes `count` indices of any kind. Fails if the stream is not of that size or not valid.
-/// Complexity: O(`count`).
 pub fn decode_sequence(bytes: &[u8], count: usize) -> Result<Vec<u32>, Damage> {
     let mut stream = Bytes(bytes);
     if stream.byte()? != INDICES {

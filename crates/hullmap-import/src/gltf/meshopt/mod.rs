@@ -1,15 +1,14 @@
 //! glTF 2.0: buffer views compressed by `EXT_meshopt_compression` or `KHR_meshopt_compression`.
 //!
-//! 1. Only views with positions or vertex indices of the scene are decoded, and only where the file
-//!    does not have them uncompressed too, in a fallback buffer.
-//! 2. [`attributes`] decodes positions, and [`indices`] vertex indices, each to the bytes that the
-//!    view stands for.
+//! 1. Only views with positions or vertex indices of the scene are decoded, unless a fallback
+//!    buffer has them uncompressed.
+//! 2. [`attributes`] decodes positions, and [`indices`] vertex indices.
 //! 3. The filter `EXPONENTIAL` is applied to positions.
 //!
 //! # Deviations
-//! `EXT_meshopt_compression` may use version 1 of attributes, as in decoders of that extension.
-//! The filters `OCTAHEDRAL`, `QUATERNION` and `COLOR` are rejected: they are for normals, rotations
-//! and colours, none of which is read.
+//! `EXT_meshopt_compression` may use version 1 of attributes, as in its decoders. The filters
+//! `OCTAHEDRAL`, `QUATERNION` and `COLOR` are rejected: normals, rotations and colours are not
+//! read.
 //!
 //! # Reference
 //! Khronos, "KHR_meshopt_compression" (release candidate of 2026) and "EXT_meshopt_compression",
@@ -30,21 +29,15 @@ use bytes::Damage;
 /// Bytes of decoded data that count as one repeated vertex, with half of the memory of one.
 const BYTES_PER_VERTEX: usize = 32;
 
-/// Maximum size of an element in bytes.
 const MAX_STRIDE: u64 = 256;
 
-/// Decoded views.
 #[derive(Debug, Default)]
 pub struct DecodedViews {
-    /// Bytes of each decoded view, by its index.
     pub views: HashMap<u32, Vec<u8>>,
-    /// Number of repeated vertices that they count as.
     pub repeated_count: usize,
 }
 
-/// Decodes the views of these indices that are compressed. `buffers` has the bytes of each buffer.
-/// Fails at the first view that is damaged, and where all together are larger than the limit.
-/// Complexity: O(bytes of the decoded views).
+/// Decodes the compressed ones of these views, within the limit.
 pub fn decode(
     container: &Container,
     buffers: &[Option<&[u8]>],
@@ -76,7 +69,6 @@ pub fn decode(
     Ok(decoded)
 }
 
-/// Bytes of the compressed data.
 fn bytes_of<'a>(buffers: &[Option<&'a [u8]>], data: &Meshopt) -> Option<&'a [u8]> {
     let buffer: &[u8] = (*buffers.get(data.buffer as usize)?)?;
     let rest = buffer.get(usize::try_from(data.byte_offset).ok()?..)?;
@@ -106,7 +98,6 @@ fn check(view: &BufferView, data: &Meshopt) -> Result<usize, &'static str> {
     size.and_then(|size| usize::try_from(size).ok()).ok_or("has another size than its elements")
 }
 
-/// The bytes that a checked view stands for.
 fn decode_view(bytes: &[u8], data: &Meshopt) -> Result<Vec<u8>, Damage> {
     let (count, stride) = (data.count as usize, data.byte_stride as usize);
     let decoded = match data.mode {

@@ -17,8 +17,7 @@ use crate::mesh::SourceCollider;
 const NODE_BYTES: usize = 2;
 
 impl SceneReader<'_> {
-    /// Adds the collider of a node as an object, if colliders are read and it has one. `label`
-    /// names the node in messages.
+    /// Adds the node's collider, if there is one to read. `label` names it in messages.
     pub(super) fn add_collider(
         &mut self,
         node: &Node,

@@ -1,18 +1,13 @@
-//! glTF 2.0: what the user should know about colliders that were read.
-
 use std::collections::HashSet;
 
 use crate::fault::{counted, excerpt};
 use crate::gltf::physics::ROUND_ERROR;
 
-/// What the user should know about the colliders that were read.
+/// Findings about the colliders that were read.
 #[derive(Debug, Default)]
 pub struct Findings {
-    /// Number of colliders.
     pub count: usize,
-    /// Meshes that colliders refer to.
     pub meshes: HashSet<u32>,
-    /// Number of round shapes.
     round_count: usize,
     /// Name of the first collider whose triangles count, and the number of such colliders.
     concave: Option<(String, usize)>,
@@ -21,12 +16,10 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// Counts a collider whose triangles count, not its hull.
     pub fn add_concave(&mut self, name: &str) {
         self.concave.get_or_insert_with(|| (excerpt(name), 0)).1 += 1;
     }
 
-    /// Counts a collider that has no hull, for this reason.
     pub fn add_unusable(&mut self, label: &str, text: &str) {
         self.unusable.get_or_insert_with(|| (format!("{label} has {text}"), 0)).1 += 1;
     }
@@ -36,7 +29,6 @@ impl Findings {
         self.round_count += usize::from(count > 8);
     }
 
-    /// Notes about what was read.
     pub fn notes(&self) -> Vec<String> {
         let share = 100.0 * ROUND_ERROR;
         let round = format!(
@@ -46,7 +38,6 @@ impl Findings {
         (self.round_count > 0).then_some(round).into_iter().collect()
     }
 
-    /// Warnings, each with its remedy.
     pub fn warnings(&self) -> Vec<String> {
         let concave = self.concave.as_ref().map(|(name, count)| {
             format!(

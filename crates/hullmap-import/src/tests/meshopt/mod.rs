@@ -14,7 +14,6 @@ use shapes::rng::SplitMix64;
 use super::super::*;
 use crate::gltf::read;
 
-/// A stream, and the hash of what it stands for.
 #[derive(Default, Deserialize)]
 struct Stream {
     name: String,
@@ -60,7 +59,6 @@ fn import_bytes(bytes: Vec<u8>, limits: &Limits) -> Result<Imported, ImportError
     import("a.glb", "shape", Path::new("a.glb"), &SourceFile::alone(bytes), &ImportOptions::DEFAULT, limits)
 }
 
-/// The bytes that a stream stands for, by the decoder alone.
 fn decode(stream: &Stream, count: usize, data: &[u8]) -> Result<Vec<u8>, ImportError> {
     let glb = glb(stream, count, data);
     crate::gltf::decoded_view(&glb, 0, &Limits::DEFAULT)
@@ -92,8 +90,7 @@ fn streams_of_another_encoder_are_decoded() {
     }
 }
 
-/// Every stream that is cut off fails, and so do indices with a wrong count. Attributes have room
-/// for 16 zeros at their end.
+/// Attributes have room for 16 zeros at their end.
 #[test]
 fn damaged_streams_are_rejected() {
     for stream in &streams() {
@@ -114,7 +111,6 @@ fn damaged_streams_are_rejected() {
     }
 }
 
-/// No flipped byte makes the decoder panic, and none is decoded to another length.
 #[test]
 fn streams_with_flipped_bytes_are_decoded_or_rejected() {
     let mut random = SplitMix64::new(38);
@@ -139,7 +135,6 @@ fn streams_with_flipped_bytes_are_decoded_or_rejected() {
     assert!(rejected > 1000 && decoded > 1000, "{rejected} rejected, {decoded} decoded");
 }
 
-/// A few bytes can claim any number of zeros. They are not decoded.
 #[test]
 fn a_small_stream_cannot_claim_much_memory() {
     assert_eq!(import_bytes(zeros(70_000), &Limits::DEFAULT).unwrap().vertex_count, 70_000);
@@ -203,7 +198,6 @@ fn files_of_gltfpack_have_the_shape_of_their_model() {
     }
 }
 
-/// Positions of a view that no primitive of the scene uses are not decoded, so it may be damaged.
 #[test]
 fn views_outside_the_scene_may_be_damaged() {
     let bytes = gltf::parts(

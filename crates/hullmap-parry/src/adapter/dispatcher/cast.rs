@@ -15,7 +15,6 @@ use super::pair::{HullPair, Local, Placement, on_pair};
 /// move apart. In the unit of the motion, as in parry.
 const AT_START: f64 = 1e-4;
 
-/// A cast of B, from parry's arguments.
 pub(super) struct Cast<'o> {
     pub(super) placement: Placement,
     /// Velocity of B, in A's frame.
@@ -37,8 +36,7 @@ impl<'o> Cast<'o> {
         Self { placement, velocity, target, max_t, options }
     }
 
-    /// Whether an impact is a contact at the start, whose normal and points belong to the shapes at
-    /// their start.
+    /// Whether an impact is a contact at the start: its normal and points belong to the start.
     pub(super) fn is_at_start(&self, impact: &Impact) -> bool {
         let geometry = self.options.compute_impact_geometry_on_penetration || !self.options.stop_at_penetration;
         impact.t < AT_START && geometry
@@ -54,7 +52,6 @@ impl<'o> Cast<'o> {
         !self.options.stop_at_penetration && normal.dot(self.velocity) >= 0.0
     }
 
-    /// A hit during the motion.
     pub(super) fn hit(&self, impact: &Impact) -> ShapeCastHit {
         let Impact { point_a, point_b, normal, t, status, .. } = *impact;
         // The point of B moved with it: subtract the motion.

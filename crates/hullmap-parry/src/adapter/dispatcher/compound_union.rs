@@ -23,7 +23,6 @@ impl<'c> CompoundUnion<'c> {
         shape.as_shape::<Compound>().filter(|compound| compound.shapes().len() > 1).map(Self)
     }
 
-    /// The part with this index, and its pose in the frame of the compound.
     pub(super) fn part(&self, part: usize) -> Option<PartOf<'_>> {
         let (place, _) = self.0.shapes().get(part)?;
         Some((self, part, wide_pose(place)?))

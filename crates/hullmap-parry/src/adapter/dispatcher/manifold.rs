@@ -2,7 +2,7 @@
 //! calls it; manifolds on surfaces are in `surface_manifold.rs`.
 //!
 //! # Steps
-//! 1. If the shapes have hardly moved, keep the points (parry's coherence test).
+//! 1. If the shapes have barely moved, keep the points (parry's coherence test).
 //! 2. Update hullmap's manifold of the pair.
 //! 3. Correct its normal if it comes from an internal edge of a compound.
 //! 4. Write its points. A point that hullmap kept retains the data that the engine stored in it.
@@ -20,25 +20,23 @@ use super::super::polygon::{edge_id, face_id, vertex_id};
 use super::BakedHull;
 use super::pair::{HullPair, Placement, on_pair, pair, plane};
 
-/// Cosine of the angle (1°) up to which shapes have hardly turned, as in parry.
+/// Cosine of the angle (1°) up to which shapes have barely turned, as in parry.
 /// docs/contributors/decisions/0020-engines.md has the measurements.
 const HARDLY_TURNED: Real = 0.999_847_7;
 
-/// Square of the distance (1 mm) up to which a point has hardly moved, as in parry.
+/// Square of the distance (1 mm) up to which a point has barely moved, as in parry.
 const HARDLY_MOVED_SQ: Real = 1e-6;
 
-/// Whether the shapes have hardly moved, so that the points of `manifold` stay. If so, updates
-/// their distances.
+/// Whether the shapes have barely moved, so that the points of `manifold` stay, with updated
+/// distances.
 pub(super) fn hardly_moved<M, C: Default + Copy>(pos12: &Pose, manifold: &mut ContactManifold<M, C>) -> bool {
     manifold.try_update_contacts_eps(pos12, HARDLY_TURNED, HARDLY_MOVED_SQ)
 }
 
-/// A compound, the index of a shape in it, and the shape's pose.
 pub(super) type PartOf<'u> = (&'u dyn Union, usize, hullmap::Pose);
 
-/// Updates the manifold of a pair and writes it to `out`. `kept` and `cache` belong to the pair. If
-/// they are empty, a few more support calls are needed. `parts` are the compounds of parry's two
-/// shapes, if they are parts.
+/// `kept` and `cache` belong to the pair; if empty, a few more support calls are needed. `parts`
+/// are the compounds of parry's two shapes, if they are parts.
 pub(super) fn update<M, C: Default + Copy>(
     (pair, placement): &(HullPair<'_>, Placement),
     prediction: Real,
@@ -60,7 +58,6 @@ pub(super) fn update<M, C: Default + Copy>(
     write(kept, placement, out);
 }
 
-/// [`update`] for a half-space and a hull.
 pub(super) fn update_plane<M, C: Default + Copy>(
     (plane, hull, placement): &(HalfSpace, &BakedHull, Placement),
     prediction: Real,
@@ -73,8 +70,7 @@ pub(super) fn update_plane<M, C: Default + Copy>(
     write(kept, placement, out);
 }
 
-/// Updates the manifold of two parts, or of a part and a shape. `parts` are their compounds.
-/// Returns false if hullmap does not solve the pair.
+/// `parts` are the compounds of the two shapes. Returns false if hullmap does not solve the pair.
 pub(super) fn solve<M, C: Default + Copy>(
     pos12: &Pose,
     shape1: &dyn Shape,
@@ -101,8 +97,7 @@ pub(super) fn settings(prediction: Real) -> ManifoldSettings {
     ManifoldSettings { prediction: Prediction::Length(double(prediction)), ..ManifoldSettings::default() }
 }
 
-/// Marks the points of `kept` with their places in `out`, counted from 1. If `out` has another
-/// number of points, the engine has changed them, and all are marked with 0.
+/// Marks the points of `kept` with their places in `out` from 1, or 0 if the engine changed them.
 fn stamp<M, C>(kept: &mut Manifold, out: &ContactManifold<M, C>) {
     let is_ours = kept.points().len() == out.points.len();
     for (index, point) in kept.points_mut().iter_mut().enumerate() {

@@ -6,7 +6,6 @@ use super::super::parry::query::details::{
     ContactManifoldsWorkspace, TypedWorkspaceData, VoxelsShapeContactManifoldsWorkspace, WorkspaceData,
 };
 
-/// The memory of a pair.
 #[derive(Clone, Default)]
 pub(super) struct Memory {
     pub(super) manifold: Manifold,

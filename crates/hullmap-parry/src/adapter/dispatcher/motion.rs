@@ -28,8 +28,7 @@ use super::super::surface::{BakedSurface, Sheet, SurfaceTile, on_sheet};
 use super::nearby::{Ball, first_hit};
 use super::pieces::{Piece, pieces};
 
-/// A meeting that is less than this after the start counts as one at the start, as in parry. In the
-/// unit of time of the motions.
+/// A meeting before this time counts as one at the start, as in parry. In the unit of the motions.
 const AT_START: f64 = 1e-5;
 
 /// Scales of the cores of a body. The first that does not meet the other body at the start counts.
@@ -44,7 +43,6 @@ const BALLS: u32 = 16;
 /// Allowance for rounding when the path lengths of two pieces are compared, relative to them.
 const SLACK: f64 = 1e-9;
 
-/// A body in motion.
 enum Body<'s> {
     Pieces(Vec<Piece<'s>>),
     Surface(&'s BakedSurface),
@@ -64,9 +62,8 @@ impl<'s> Body<'s> {
     }
 }
 
-/// The first meeting of two bodies in a window of parry's time. The outer `None` is for pairs that
-/// hullmap does not solve, and for invalid numbers, the inner one for a miss. parry's rule queries
-/// `dispatcher` for distances and contacts.
+/// The first meeting of two bodies in a window of parry's time. The outer `None` is for unsolved
+/// pairs and invalid numbers, the inner one for a miss. parry's rule queries `dispatcher`.
 pub(super) fn cast(
     dispatcher: &dyn QueryDispatcher,
     [(shape1, motion1), (shape2, motion2)]: [(&dyn Shape, &NonlinearRigidMotion); 2],
@@ -86,7 +83,6 @@ pub(super) fn cast(
     }
 }
 
-/// A cast of A and B.
 struct Cast<'m> {
     dispatcher: &'m dyn QueryDispatcher,
     of_parry: [&'m NonlinearRigidMotion; 2],
@@ -96,7 +92,6 @@ struct Cast<'m> {
     stop_at_penetration: bool,
 }
 
-/// A parry motion in a window of its time.
 #[derive(Clone, Copy)]
 struct Windowed {
     /// The pose at the start of the window.
@@ -123,8 +118,7 @@ impl Windowed {
         RigidMotion::screw(self.start.compose(place).ok()?, self.linear, self.angular, self.center).ok()
     }
 
-    /// Upper bound of the length of the path of a point that is at `point` at some time, at which
-    /// the centre of the rotation is `center`.
+    /// Upper bound of the path length of a point, from positions of it and the rotation's centre.
     fn way(&self, point: DVec3, center: DVec3) -> f64 {
         self.linear.length() + self.angular.length() * point.distance(center)
     }
@@ -138,7 +132,6 @@ impl Windowed {
     }
 }
 
-/// A convex shape in motion.
 struct Mover<'p> {
     shape: &'p dyn Convex,
     of_parry: &'p dyn Shape,
@@ -207,7 +200,6 @@ impl<'m> Cast<'m> {
         Some(first)
     }
 
-    /// The first meeting of two convex shapes.
     fn of_convex(&self, a: &Mover<'_>, b: &Mover<'_>) -> Option<ShapeCastHit> {
         let (settings, cache) = (MotionSettings::default(), &mut Cache::new());
         let found = hullmap::cast_motion(a.shape, &a.motion, b.shape, &b.motion, &settings, cache);
@@ -257,8 +249,7 @@ impl<'m> Cast<'m> {
         !self.stop_at_penetration && found.hit && found.t_lower * (end - start) < AT_START
     }
 
-    /// The first later hit of shapes that meet at the start: by parry's rule, or when the core of
-    /// one meets the other.
+    /// The first later hit: by parry's rule, or when the core of one shape meets the other.
     fn beyond_start(&self, a: &Mover<'_>, b: &Mover<'_>) -> Option<ShapeCastHit> {
         let mut core = self.of_core(b, 1, a);
         add(&mut core, self.of_core(a, 0, b).map(ShapeCastHit::swapped));
@@ -306,7 +297,6 @@ impl<'m> Cast<'m> {
         CORES.into_iter().filter_map(scaled).find(|found| !self.is_ignored(found))
     }
 
-    /// parry's rule for shapes that meet at the start.
     fn by_rule(&self, a: &Mover<'_>, b: &Mover<'_>) -> Option<ShapeCastHit> {
         let [start, end] = self.window;
         let hit = default::cast_shapes_nonlinear_support_map_support_map(
@@ -325,7 +315,6 @@ impl<'m> Cast<'m> {
         Some(ShapeCastHit { subshape1: a.subshape, subshape2: b.subshape, ..hit })
     }
 
-    /// The first meeting with a triangle near the path.
     fn beyond_start_on(&self, tile: &SurfaceTile, motion: &RigidMotion, b: &Mover<'_>) -> Option<ShapeCastHit> {
         let [of_a, of_b] = self.motions;
         let ball = |i: u32| {
@@ -357,8 +346,7 @@ impl<'m> Cast<'m> {
         first_hit(tile, (0..BALLS).map(ball), test).map(|(_, hit)| hit)
     }
 
-    /// The first meeting after the shapes have separated, or the time from which they would pass
-    /// through each other.
+    /// The first meeting after the shapes have separated, or the time of passing through.
     fn beyond_start_of_plane(&self, plane: &HalfSpace, motion: &RigidMotion, b: &Mover<'_>) -> Option<ShapeCastHit> {
         let [of_a, of_b] = self.motions;
         for i in 0..BALLS {
@@ -382,8 +370,7 @@ impl<'m> Cast<'m> {
             let point = place.transform_point(contact.point_b);
             let speed = |of: &Windowed| of.linear + of.angular.cross(point - (of.center + of.linear * t));
             let approach = (speed(&of_a) - speed(&of_b)).dot(normal);
-            // As in parry: if the rest of the motion is longer than the shape is thick, it would
-            // pass through.
+            // As in parry: a hit if the rest of the motion is longer than the shape is thick.
             if approach * (1.0 - t) > b.shape.inner_radius() {
                 let (point_a, point_b) = (place.transform_point(contact.point_a), point);
                 let found = TimeOfImpact {
@@ -401,12 +388,10 @@ impl<'m> Cast<'m> {
         None
     }
 
-    /// The start of the window.
     fn start(&self) -> f64 {
         double(self.window[0])
     }
 
-    /// A parry time as a share of the window.
     fn share(&self, time: f64) -> f64 {
         let [start, end] = self.window.map(double);
         if end > start { (time - start) / (end - start) } else { 0.0 }
@@ -417,7 +402,6 @@ impl<'m> Cast<'m> {
         Some(ShapeCastHit { subshape1, subshape2, ..self.hit_between([0, 1], found)? })
     }
 
-    /// The hit of bodies on these sides.
     fn hit_between(&self, sides: [usize; 2], found: &TimeOfImpact) -> Option<ShapeCastHit> {
         if !found.hit {
             return None;

@@ -35,7 +35,6 @@ macro_rules! on_pair {
 }
 pub(super) use on_pair;
 
-/// How A and B are placed, and which of them is parry's first shape.
 #[derive(Clone, Copy)]
 pub(super) struct Placement {
     /// B in A's frame.
@@ -84,14 +83,12 @@ pub(super) fn plane<'s>(
     Some((a, b, placement(pos12, flipped)?))
 }
 
-/// The placement of A and B for parry's relative pose.
 pub(super) fn placement(pos12: &parry::math::Pose, flipped: bool) -> Option<Placement> {
     let second_in_first = wide_pose(pos12)?;
     let b_in_a = if flipped { second_in_first.inverse() } else { second_in_first };
     Some(Placement { b_in_a, flipped })
 }
 
-/// parry's closest points of a pair with this distance.
 pub(super) fn closest_points(found: &Distance, placement: &Placement, max_dist: Real) -> ClosestPoints {
     if matches!(found.status, Status::Overlapping | Status::Touching) {
         return ClosestPoints::Intersecting;
@@ -112,7 +109,6 @@ impl Placement {
         self.order(normal, self.b_in_a.inverse_transform_vector(-normal))
     }
 
-    /// A vector of A's frame and one of B's in parry's order.
     pub(super) fn order(&self, of_a: DVec3, of_b: DVec3) -> [Vector; 2] {
         if self.flipped { [narrow(of_b), narrow(of_a)] } else { [narrow(of_a), narrow(of_b)] }
     }

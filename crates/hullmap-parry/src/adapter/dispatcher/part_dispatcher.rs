@@ -14,7 +14,6 @@ use super::HullDispatcher;
 use super::compound_union::CompoundUnion;
 use super::manifold::solve;
 
-/// `HullDispatcher` for the parts of two shapes, each of which may be a compound.
 pub(super) struct PartDispatcher<'c> {
     compounds: [Option<CompoundUnion<'c>>; 2],
 }

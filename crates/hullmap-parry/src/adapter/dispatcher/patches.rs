@@ -25,7 +25,6 @@ pub(super) struct PatchPoint {
     pub(super) depth: f64,
 }
 
-/// The body that the points support.
 #[derive(Clone, Copy)]
 pub(super) struct Supported {
     /// Approximate centre of mass.
@@ -81,7 +80,6 @@ pub(super) fn deepest(points: &[PatchPoint]) -> Vec<bool> {
     points.iter().enumerate().map(stays).collect()
 }
 
-/// A body that has several manifolds.
 pub(super) struct Body<'b> {
     pub(super) hull: &'b BakedHull,
     /// Whether it is parry's second shape.

@@ -62,8 +62,7 @@ where
         Ok(())
     }
 
-    /// parry calls this for the parts of composite shapes too. They have no `Memory`, so each
-    /// update starts only from the normal of the last step.
+    /// Parts of composite shapes have no `Memory`, so each update starts only from the last normal.
     fn contact_manifold_convex_convex(
         &self,
         pos12: &Pose,
@@ -93,7 +92,7 @@ where
     }
 }
 
-/// Updates the only manifold of a pair that hullmap solves, unless the shapes hardly moved.
+/// Updates the only manifold of a pair that hullmap solves, unless the shapes barely moved.
 fn update_one<M, C>(
     pos12: &Pose,
     manifolds: &mut Vec<ContactManifold<M, C>>,
@@ -114,7 +113,6 @@ where
     Ok(())
 }
 
-/// Two shapes of which parry splits at least one into parts.
 struct Split<'s> {
     pos12: &'s Pose,
     shapes: [&'s dyn Shape; 2],
@@ -137,7 +135,6 @@ impl Split<'_> {
         }
     }
 
-    /// Updates the manifolds of all parts, by parry's function for these types of shapes.
     fn update_parts<M, C>(
         &self,
         manifolds: &mut Vec<ContactManifold<M, C>>,
@@ -180,7 +177,6 @@ impl Split<'_> {
         Ok(())
     }
 
-    /// A height field against a shape or a composite shape.
     fn update_height_field<M, C>(
         &self,
         manifolds: &mut Vec<ContactManifold<M, C>>,
@@ -226,7 +222,6 @@ impl Split<'_> {
         Ok(())
     }
 
-    /// Voxels against a shape or a composite shape.
     fn update_voxels<M, C>(
         &self,
         manifolds: &mut Vec<ContactManifold<M, C>>,
@@ -245,7 +240,6 @@ impl Split<'_> {
         update(&HullDispatcher, pos12, shape1, shape2, prediction, manifolds, workspace);
     }
 
-    /// A composite shape against a shape that is not composite.
     fn update_composite<M, C>(
         &self,
         manifolds: &mut Vec<ContactManifold<M, C>>,

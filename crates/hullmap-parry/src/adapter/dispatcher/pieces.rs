@@ -6,27 +6,22 @@ use super::super::parry::shape::{Compound, Shape};
 use super::BakedHull;
 use super::primitive::Primitive;
 
-/// A convex shape that hullmap solves.
 pub(super) enum Convex<'s> {
     Hull(&'s BakedHull),
     Primitive(Primitive),
 }
 
-/// A convex piece of a body.
 pub(super) struct Piece<'s> {
     convex: Convex<'s>,
-    /// The piece as parry's shape.
     pub(super) of_parry: &'s dyn Shape,
     /// Its pose in the frame of the body.
     pub(super) place: hullmap::Pose,
     /// `place` in parry's precision.
     pub(super) pose: Pose,
-    /// Its index in the body.
     pub(super) subshape: u32,
 }
 
 impl Piece<'_> {
-    /// The piece in its own frame.
     pub(super) fn shape(&self) -> &dyn hullmap::Shape {
         match &self.convex {
             Convex::Hull(hull) => *hull,
@@ -35,8 +30,7 @@ impl Piece<'_> {
     }
 }
 
-/// The pieces of a body: a convex shape, or the parts of a compound. `None` if hullmap does not
-/// solve one of them.
+/// A convex shape, or the parts of a compound. `None` if hullmap does not solve one of them.
 pub(super) fn pieces(shape: &dyn Shape) -> Option<Vec<Piece<'_>>> {
     let Some(compound) = shape.as_shape::<Compound>() else {
         return Some(vec![piece(shape, &Pose::IDENTITY, 0)?]);

@@ -20,7 +20,6 @@ use super::nearby::{Ball, first_hit};
 use super::nearest::Nearest;
 use super::surface_pair::{Part, SurfacePair};
 
-/// Number of balls that cover the path of a body.
 const BALLS: u32 = 32;
 
 /// The first hit of a pair: arguments and answers as in [`cast`](super::cast::cast).
@@ -68,7 +67,6 @@ fn as_if_grown(impact: Impact, target: f64) -> Impact {
     Impact { point_a: impact.point_a + shift, point_b: impact.point_b + shift, ..impact }
 }
 
-/// The first hit of a piece with a triangle that is not ignored.
 fn beyond_start(pair: &SurfacePair<'_>, cast: &Cast<'_>, part: &Part<'_>) -> Option<ShapeCastHit> {
     let Part { tile, piece, b_in_a } = part;
     let velocity = tile.place().inverse_transform_vector(cast.velocity);
@@ -121,7 +119,6 @@ fn way(cast: &Cast<'_>, Part { tile, piece, b_in_a }: &Part<'_>, velocity: DVec3
     let farthest = middle.distance(center) + 0.5 * low.distance(high) + radius;
     let (speed, max_t) = (velocity.length(), cast.max_t);
     let end = if speed * max_t > farthest { farthest / speed } else { max_t };
-    // Without motion there is one ball.
     let (count, end) = if speed > 0.0 { (BALLS, end) } else { (1, 0.0) };
     let step = end / f64::from(count);
     (0..count).map(move |i| {

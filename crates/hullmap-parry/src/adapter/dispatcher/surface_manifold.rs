@@ -1,20 +1,18 @@
 //! The contact manifolds of a body on a surface: computed by hullmap, and written to parry's.
 //!
 //! # Steps
-//! 1. If the body has hardly moved, keep the points (parry's coherence test).
+//! 1. If the body has barely moved, keep the points (parry's coherence test).
 //! 2. Update hullmap's manifolds of each piece of the body on each tile near it. Tiles that meet
 //!    are joined, so normals at their common edges are normals of one surface.
 //! 3. Correct normals at internal edges of a body that is a compound.
 //! 4. Choose at most eight points for each tile and piece ([`BodyManifold`]), and of these at most
-//!    four for each normal, as Rapier would. A ball has one point for each normal: on a plane, its
-//!    other points are at the ends of triangles, and would slow it as it rolls.
+//!    four for each normal, as Rapier would; for a ball, one: others would slow it as it rolls.
 //! 5. Write a parry manifold for each piece and face of the surface, with the index of the deepest
 //!    triangle. A point that hullmap kept retains the data that the engine stored in it.
 //!
-//! # What did not work
-//! A manifold for each triangle: Rapier merges manifolds with nearly the same normal, and finds the
-//! impulses of the last step by the positions of points on the ground. Bodies that slide or roll
-//! would lose their impulses in every step.
+//! A manifold for each triangle did not work: Rapier merges manifolds with nearly the same normal,
+//! and finds the last impulses by the positions of points on the ground. Bodies that slide or roll
+//! would lose them in every step.
 
 use hullmap::compound::seams::{self, Side, Union};
 use hullmap::compound::{BodyManifold, BodyPoint, Joined, Tile};
@@ -36,12 +34,10 @@ use super::surface_pair::{Part, SurfacePair};
 /// Number of triangles that a piece may touch on a tile before more memory is allocated: 40 KB.
 const FEW: usize = 8;
 
-/// Maximum number of triangles that a piece may touch on a tile: 2.5 MB. If there are more, the
-/// triangles of the last step stay, and others are ignored.
+/// Maximum number of triangles of a piece on a tile: 2.5 MB. Those of the last step are kept.
 const MOST: usize = 512;
 
-/// Part of the prediction up to which a body may move before its points are computed anew: more
-/// triangles may be in reach then.
+/// Part of the prediction by which a body may move before more triangles may be in reach.
 const HARDLY_MOVED: f64 = 0.25;
 
 /// Cosine of the angle (1e-3) up to which triangles are one face, as in hullmap's correction of
@@ -55,12 +51,10 @@ const SEAM: f64 = 0.005;
 #[derive(Clone, Default)]
 pub(super) struct SurfaceMemory {
     entries: Vec<Entry>,
-    /// Number of points that were written in the last update.
     written: usize,
     /// The pose of the body in the frame of the surface in the last update.
     last: Option<hullmap::Pose>,
-    /// An empty parry workspace, which is saved instead of this one: see
-    /// [`Memory`](super::memory::Memory).
+    /// See [`Memory`](super::memory::Memory).
     saved_as: VoxelsShapeContactManifoldsWorkspace<2>,
 }
 
@@ -74,7 +68,6 @@ impl WorkspaceData for SurfaceMemory {
     }
 }
 
-/// The manifolds of a piece on a tile.
 #[derive(Clone)]
 struct Entry {
     /// Number of the tile's first triangle, and the index of the piece.
@@ -86,7 +79,6 @@ struct Entry {
     is_near: bool,
 }
 
-/// A point for parry.
 struct Point {
     subshapes: [u32; 2],
     /// From the surface to the body, in the frame of the surface.
@@ -132,8 +124,8 @@ impl SurfaceMemory {
         self.write(&points, &stays, &pair.placement, manifolds);
     }
 
-    /// Whether the body has hardly moved, so that the points of `manifolds` stay. If so, updates
-    /// their distances.
+    /// Whether the body has barely moved, so that the points of `manifolds` stay, with updated
+    /// distances.
     fn keeps_points<M, C: Default + Copy>(
         &self,
         pos12: &Pose,
@@ -154,7 +146,6 @@ impl SurfaceMemory {
         touching.peek().is_some() && touching.all(|manifold| hardly_moved(pos12, manifold))
     }
 
-    /// Updates hullmap's manifolds of all tiles near the body.
     fn update_entries(&mut self, pair: &SurfacePair<'_>, prediction: Real) {
         for entry in &mut self.entries {
             entry.is_near = false;
@@ -195,7 +186,6 @@ impl SurfaceMemory {
         &mut self.entries[index]
     }
 
-    /// The points of all entries, in their order.
     fn points(&self, pair: &SurfacePair<'_>, seam: f64) -> Vec<Point> {
         let mut points = Vec::new();
         for entry in &self.entries {
@@ -284,7 +274,6 @@ impl SurfaceMemory {
     }
 }
 
-/// The values for the surface and for the body, in parry's order.
 fn in_order<T>(placement: &Placement, [of_surface, of_body]: [T; 2]) -> [T; 2] {
     if placement.flipped { [of_body, of_surface] } else { [of_surface, of_body] }
 }
@@ -299,9 +288,8 @@ fn snapped(normal: DVec3, face: Option<DVec3>) -> DVec3 {
     }
 }
 
-/// Whether a point that does not touch yet is beside its triangle, at a flat or concave edge. The
-/// triangle beyond the edge is nearer to the body there. `seam` is the width up to which gaps are
-/// ignored.
+/// Whether a point that does not touch yet is beside its triangle, at a flat or concave edge: the
+/// triangle beyond it is nearer. Gaps up to `seam` are ignored.
 fn is_beside(found: &BodyPoint, tile: &SurfaceTile, seam: f64) -> bool {
     let triangle = found.pair[0];
     let parts = (tile.triangle(triangle), tile.local_normal(triangle), tile.edge_classes(triangle));
@@ -320,7 +308,6 @@ fn is_beside(found: &BodyPoint, tile: &SurfaceTile, seam: f64) -> bool {
     near.peek().is_some() && near.all(|(_, class)| matches!(class, EdgeClass::Flat | EdgeClass::Concave))
 }
 
-/// A piece on a tile, which may meet others.
 struct OnTile<'t> {
     part: &'t Part<'t>,
     /// The tiles near the body, and the index of this one.

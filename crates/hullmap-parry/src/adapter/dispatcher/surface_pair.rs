@@ -16,12 +16,10 @@ use super::pieces::{Piece, pieces};
 pub(super) struct SurfacePair<'s> {
     pub(super) surface: &'s BakedSurface,
     pub(super) pieces: Vec<Piece<'s>>,
-    /// parry's shape of the body.
     pub(super) body: &'s dyn Shape,
     pub(super) placement: Placement,
 }
 
-/// A tile of the surface and a piece of the body.
 pub(super) struct Part<'p> {
     pub(super) tile: &'p SurfaceTile,
     pub(super) piece: &'p Piece<'p>,
@@ -29,8 +27,7 @@ pub(super) struct Part<'p> {
     pub(super) b_in_a: Pose,
 }
 
-/// The pair of two shapes at `pos12`. `None` if neither or both of them are surfaces, and if
-/// hullmap does not solve a piece of the other.
+/// `None` if neither or both are surfaces, or hullmap does not solve a piece of the other.
 pub(super) fn surface_pair<'s>(
     pos12: &parry::math::Pose,
     shape1: &'s dyn Shape,
@@ -45,7 +42,6 @@ pub(super) fn surface_pair<'s>(
 }
 
 impl SurfacePair<'_> {
-    /// All pairs of a tile and a piece.
     pub(super) fn parts(&self) -> impl Iterator<Item = Part<'_>> {
         self.surface.tiles().iter().flat_map(|tile| {
             self.pieces.iter().filter_map(|piece| {
@@ -67,8 +63,7 @@ impl SurfacePair<'_> {
         })
     }
 
-    /// The distance of the nearest triangle and piece, in the frame of the surface, and their
-    /// subshapes. `None` if no pose is in range.
+    /// The distance in the frame of the surface, with subshapes; `None` if no pose is in range.
     pub(super) fn distance(&self) -> Option<(Distance, [u32; 2])> {
         let mut best: Option<(Distance, [u32; 2])> = None;
         for part in self.parts() {
@@ -113,7 +108,6 @@ impl SurfacePair<'_> {
         })
     }
 
-    /// A hit with the numbers of the triangle and of the piece.
     pub(super) fn numbered(&self, hit: ShapeCastHit, [triangle, piece]: [u32; 2]) -> ShapeCastHit {
         let [subshape1, subshape2] = if self.placement.flipped { [piece, triangle] } else { [triangle, piece] };
         ShapeCastHit { subshape1, subshape2, ..hit }
@@ -121,7 +115,6 @@ impl SurfacePair<'_> {
 }
 
 impl Part<'_> {
-    /// Numbers of a triangle of the tile and of the piece.
     pub(super) fn subshapes(&self, triangle: usize) -> [u32; 2] {
         [self.tile.subshape(triangle), self.piece.subshape]
     }

@@ -5,11 +5,8 @@ use super::super::parry::math::Vector;
 use super::BakedSurface;
 
 impl BakedSurface {
-    /// Vertices and triangles, for debugging, in the frame of the shape. Each triangle has three
-    /// vertices of its own. Holes are left out.
-    ///
-    /// # Complexity
-    /// O(n), with allocations.
+    /// Vertices and triangles for debugging, in the frame of the shape, with three vertices for
+    /// each triangle, and without holes.
     pub fn to_trimesh(&self) -> (Vec<Vector>, Vec<[u32; 3]>) {
         let mut vertices = Vec::new();
         for tile in self.tiles() {

@@ -28,8 +28,7 @@ pub(super) use tile::{TileUnion, on_sheet};
 ///
 /// With `HullDispatcher`, hullmap answers queries with hulls, compounds of them, and primitives:
 /// normals at internal edges are normals of the surface, and a body has few contact points. parry's
-/// default dispatcher solves each triangle alone. For that, parry builds a tree of its own at the
-/// first query.
+/// default dispatcher solves each triangle alone, with a tree that it builds at the first query.
 ///
 /// # Tiles that meet
 /// Rapier passes one pair of colliders at a time to the dispatcher, without the colliders beside
@@ -71,7 +70,6 @@ pub struct BakedSurface {
 
 struct Content {
     tiles: Vec<SurfaceTile>,
-    /// The box around all tiles.
     bounds: Aabb,
     /// parry's tree of all triangles, which only its own algorithms need.
     tree: OnceLock<Bvh>,
@@ -103,23 +101,16 @@ impl std::error::Error for JoinError {}
 
 impl BakedSurface {
     /// The shape of a triangle mesh or a height field, which collides on both sides.
-    ///
-    /// # Complexity
-    /// O(1).
     pub fn new(sheet: impl Into<Sheet>) -> Self {
         Self::of_tiles(vec![SurfaceTile::new(sheet.into())])
     }
 
-    /// Several surfaces that meet, as one shape: edges where two of them meet are edges inside it,
-    /// over which bodies do not stumble. Each surface is given with its pose in the new shape.
-    ///
-    /// Subshapes are numbered through all tiles: see [`locate`](Self::locate).
+    /// Several surfaces that meet, each with its pose, as one shape without edges between them,
+    /// over which bodies would stumble. Subshapes are numbered through all tiles: see
+    /// [`locate`](Self::locate). A query compares the boxes of all tiles.
     ///
     /// # Errors
     /// See [`JoinError`].
-    ///
-    /// # Complexity
-    /// O(n) for n tiles, whose files are shared. A query compares the boxes of all tiles.
     pub fn joined(surfaces: impl IntoIterator<Item = (Pose, Self)>) -> Result<Self, JoinError> {
         let (mut tiles, mut first) = (Vec::new(), 0_usize);
         for (at, surface) in surfaces {
@@ -138,12 +129,9 @@ impl BakedSurface {
         Ok(Self::of_tiles(tiles))
     }
 
-    /// The same surface, whose triangles collide on their fronts alone: see
-    /// [`OneSided`](hullmap::compound::OneSided). parry's own algorithms ignore it: with parry's
-    /// default dispatcher, contacts and casts of shapes have both sides. Rays hit one side.
-    ///
-    /// # Complexity
-    /// O(n) for n tiles, whose files are shared.
+    /// A copy whose triangles collide on their fronts alone: see
+    /// [`OneSided`](hullmap::compound::OneSided). With parry's default dispatcher, contacts and
+    /// casts of shapes have both sides, and rays one.
     #[must_use]
     pub fn one_sided(&self) -> Self {
         Self::of_tiles(self.tiles().iter().map(SurfaceTile::one_sided).collect())
@@ -165,11 +153,9 @@ impl BakedSurface {
         self.tiles().iter().map(SurfaceTile::triangle_count).sum()
     }
 
-    /// The tile of a subshape, and the index of the triangle in its file; `None` beyond the last
-    /// triangle. parry's answers, contact manifolds included, name triangles as subshapes.
-    ///
-    /// # Complexity
-    /// O(log n) for n tiles.
+    /// The tile of a subshape, and the index of the triangle in its file, in O(log n) for n tiles;
+    /// `None` beyond the last triangle. parry's answers and contact manifolds name triangles as
+    /// subshapes.
     pub fn locate(&self, subshape: u32) -> Option<(&SurfaceTile, usize)> {
         let subshape = subshape as usize;
         let after = self.tiles().partition_point(|tile| tile.first() <= subshape);

@@ -26,8 +26,7 @@ impl PointQuery for BakedSurface {
 }
 
 impl BakedSurface {
-    /// The nearest point of the surface, and the number of its triangle; `None` for a point that is
-    /// not finite, or too far away.
+    /// The nearest point and its triangle's number; `None` for a point not finite, or too far away.
     fn nearest(&self, point: Vector) -> Option<(DVec3, u32)> {
         let point = wide(point);
         let mut best: Option<(f64, DVec3, u32)> = None;

@@ -10,7 +10,6 @@ use super::super::parry::shape::FeatureId;
 use super::tile::on_sheet;
 use super::{BakedSurface, Sheet};
 
-/// Where a ray meets the surface.
 struct Meeting {
     time: f64,
     /// Unit normal on the side that the ray comes from.

@@ -154,7 +154,6 @@ impl SurfaceTile {
         }
     }
 
-    /// [`triangle`](Self::triangle) as parry's.
     pub(in super::super) fn parry_triangle(&self, triangle: usize) -> Option<parry::shape::Triangle> {
         let [a, b, c] = self.triangle(triangle)?.corners().map(narrow);
         Some(parry::shape::Triangle::new(a, b, c))
@@ -204,7 +203,6 @@ fn bounds(sheet: &Sheet, pose: &Pose) -> Aabb {
     tight.loosened(SurfaceTile::MARGIN * largest)
 }
 
-/// A tile as a union of its triangles, in its own frame.
 #[cfg(feature = "dispatcher")]
 pub(in super::super) struct TileUnion<'t>(pub(in super::super) &'t SurfaceTile);
 
