@@ -8,7 +8,8 @@
 //! 2. `hullmap-bake`, `index/mod.rs`: how it is built.
 //! 3. `hullmap`, `support/index.rs`: how a direction finds its leaf.
 //! 4. `hullmap-cli`, `options/`: its name, and its text in a pack's record.
-//! 5. `docs/contributors/FORMAT.md`, and the test `format_document`, which implements it independently.
+//! 5. `docs/contributors/FORMAT.md`, and the test `format_document`, which implements it
+//!    independently.
 //!
 //! Matches have no wildcard, so the compiler reports each location of steps 1 to 4.
 

@@ -1,6 +1,6 @@
 //! Versions of the format. Any change to the bytes or to their meaning gets a new one, listed in
-//! `docs/contributors/FORMAT.md`. There are four at a time, so that older programs can read a pack unless it has
-//! data that they cannot read.
+//! `docs/contributors/FORMAT.md`. There are four at a time, so that older programs can read a pack
+//! unless it has data that they cannot read.
 //!
 //! | | lean | |
 //! |---|---|---|
