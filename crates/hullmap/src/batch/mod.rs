@@ -29,7 +29,7 @@ mod query;
 mod tests;
 
 use self::in_flight::{CONTACTS_IN_FLIGHT, IN_FLIGHT};
-pub use self::moving_pair::{MovingPair, clear, clear_compounds};
+pub use self::moving_pair::{MovingPair, clear};
 pub use self::pair::{Pair, SupportQuery};
 use self::plan::Plan;
 use self::query::BatchQuery;
