@@ -32,7 +32,7 @@ mod on_device {
     use std::collections::HashMap;
     use std::sync::{Arc, Mutex, PoisonError};
 
-    use hullmap::{Pack, Settings};
+    use hullmap::{Pack, Settings, SharedGeometry};
     use hullmap_wgpu::{Batch, Device, IndexedPair};
     use pyo3::prelude::*;
 
@@ -198,7 +198,7 @@ mod conversions {
                 Ended::Overlapping => Overlap::Overlapping,
                 _ => return None,
             };
-            Some(Self { status, iterations: answer.steps, support_calls: answer.steps })
+            Some(Self { status, iterations: answer.steps, support_calls: answer.steps, ..Self::default() })
         }
     }
 

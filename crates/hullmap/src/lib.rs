@@ -3,8 +3,8 @@
 //!
 //! The command `bake` turns meshes into packs offline. This crate opens packs and answers queries:
 //! support points, overlap, distance, contact, rays, shape casts and contact manifolds. Answers are
-//! certified intervals in double precision. After a pack is open, no query locks or performs I/O, and
-//! none allocates, except the first query of parts with a [`Cache`] that is not
+//! certified intervals in double precision. After a pack is open, no query locks or performs I/O,
+//! and none allocates, except the first query of parts with a [`Cache`] that is not
 //! [prepared](Cache::with_pairs) for it.
 //!
 //! # Open a pack and query a support point
@@ -33,9 +33,9 @@
 //! # Overlap, distance and contact
 //!
 //! [`intersects`], [`distance`] and [`contact`] take any two [geometries](geometry): hulls,
-//! primitives, support mappings of your own, packs of several hulls, triangle meshes, height fields,
-//! half-spaces. A [`Pose`] `b_in_a` maps B's frame into A's, and all results are in A's frame. The
-//! [`Cache`] of a pair makes the next query cheaper.
+//! primitives, support mappings of your own, packs of several hulls, triangle meshes, height
+//! fields, half-spaces. A [`Pose`] `b_in_a` maps B's frame into A's, and all results are in A's
+//! frame. The [`Cache`] of a pair makes the next query cheaper.
 //!
 //! ```
 //! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
@@ -230,7 +230,7 @@
 //!
 //! - [`Pack`]: the constructors, and when to map a file instead of copying it
 //! - [`Hull`]: vertices, faces, neighbours and everything else that a pack records about a hull
-//! - [`Geometry`]: what can be queried; [`SharedGeometry`]: any of it as one type, without a lifetime
+//! - [`Geometry`]: what can be queried; [`SharedGeometry`]: any of it as one type, without lifetime
 //! - [`shapes`]: primitives, scaled and rounded shapes; [`SupportMap`]: a shape of your own
 //! - [`SupportMap::bounds_under`]: the box of a shape for a broad phase
 //! - [`Settings`]: tolerance and iteration limit; [`Instructions`]: SIMD selection

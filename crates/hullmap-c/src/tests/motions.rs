@@ -189,7 +189,12 @@ fn wrong_motions_are_errors() {
     let turned = types::Pose { translation: NO_WHERE, rotation: types::Quat::default() };
     assert_eq!(run(&types::Motion { start: turned, ..fine }, shapes[1].0), Code::InvalidArgument);
     assert_eq!(run(&fine, null()), Code::Null);
-    assert_eq!(run(&fine, shapes.last().unwrap().0), Code::Unsupported);
+    let plane = shapes.last().unwrap().0;
+    assert_eq!(run(&fine, plane), Code::Ok);
+    let (fine, mut found): (_, types::Clearance) = (&raw const fine, empty());
+    // SAFETY: the pointers are valid or NULL.
+    let code = unsafe { hullmap_clear(plane, fine, plane, fine, null(), null_mut(), &raw mut found) };
+    assert_eq!(code, Code::Unsupported);
     // Members of other kinds are not read.
     let still = types::Motion { kind: number_of(MotionKind::Still), ..infinite };
     assert_eq!(run(&still, shapes[1].0), Code::Ok);

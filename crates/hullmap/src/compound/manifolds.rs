@@ -26,8 +26,8 @@ use crate::solver::{Cache, Contact, Scratch};
 use crate::support::SupportMap;
 use glam::DVec3;
 
-/// Contact manifolds of two geometries, one for each pair of parts that touch: caller-owned memory of
-/// one ordered pair (A, B).
+/// Contact manifolds of two geometries, one for each pair of parts that touch: caller-owned memory
+/// of one ordered pair (A, B).
 ///
 /// Parts *touch* if they have manifold points: they overlap, or are separated by at most the
 /// prediction. Points and normals are in A's frame, as in [`Manifold`]. Each point is on the

@@ -3,9 +3,10 @@
 //!
 //! A concave mesh is baked as convex parts, and the pack of its parts is a compound. The parts of a
 //! triangle mesh and of a height field are their triangles. The BVHs find the pairs of parts to
-//! query. The answers are the same as when every pair is queried. [`CompoundManifolds`] keeps a contact manifold for every pair of parts that touch. Its
-//! normals are normals of the union: [`seams`] corrects normals at edges between parts, where
-//! bodies would otherwise stumble. [`BodyManifold`] chooses at most eight of all their points.
+//! query. The answers are the same as when every pair is queried. [`CompoundManifolds`] keeps a
+//! contact manifold for every pair of parts that touch. Its normals are normals of the union:
+//! [`seams`] corrects normals at edges between parts, where bodies would otherwise stumble.
+//! [`BodyManifold`] chooses at most eight of all their points.
 //!
 //! # Complexity
 //! A query of compounds with G and H parts compares at most (2 G − 1) (2 H − 1) pairs of boxes, and

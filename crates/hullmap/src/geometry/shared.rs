@@ -113,8 +113,8 @@ impl SharedGeometry {
         }
     }
 
-    /// The box around it at a pose, along the axes. `None` for a half-space, which is unbounded, and
-    /// for a compound or a mesh without parts.
+    /// The box around it at a pose, along the axes. `None` for a half-space, which is unbounded,
+    /// and for a compound or a mesh without parts.
     ///
     /// # Complexity
     /// That of [`SupportMap::bounds_under`], for each part.

@@ -9,8 +9,8 @@ use crate::solver::{Cache, Contact, Settings, queries};
 
 /// Contact of `a` and `b`, with `b` at `b_in_a`: penetration depth, normal and witness points.
 ///
-/// Lengths are in the geometries' unit, points and directions in A's frame. The normal points from A
-/// to B: moving B by `depth` along it separates two shapes, and no shorter motion does. `cache`
+/// Lengths are in the geometries' unit, points and directions in A's frame. The normal points from
+/// A to B: moving B by `depth` along it separates two shapes, and no shorter motion does. `cache`
 /// belongs to this ordered pair; the query reads and updates it.
 ///
 /// Numerical trouble never reads as "no contact": [`Contact::hit`] is false only if a separating
@@ -18,11 +18,11 @@ use crate::solver::{Cache, Contact, Settings, queries};
 /// depth ended.
 ///
 /// With parts, the contact is that of the pair of parts with the maximum depth, and the interval
-/// contains this maximum: `depth_lower` is the maximum lower bound over all pairs, `depth_upper` the
-/// maximum upper bound. Moving B by less than `depth_lower` in any direction leaves the geometries
-/// overlapping. Moving it by `depth_upper` along `normal` separates this pair; other pairs may still
-/// overlap then, or begin to. For a half-space, the normal is the plane's, the depth is that of the
-/// lowest part, and moving B by it separates all parts.
+/// contains this maximum: `depth_lower` is the maximum lower bound over all pairs, `depth_upper`
+/// the maximum upper bound. Moving B by less than `depth_lower` in any direction leaves the
+/// geometries overlapping. Moving it by `depth_upper` along `normal` separates this pair; other
+/// pairs may still overlap then, or begin to. For a half-space, the normal is the plane's, the
+/// depth is that of the lowest part, and moving B by it separates all parts.
 ///
 /// # Complexity
 /// Two shapes: 1 to 4 support calls for most separated pairs, 10 to 40 for most that overlap;

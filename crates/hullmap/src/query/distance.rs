@@ -14,17 +14,17 @@ use crate::solver::{Cache, Distance, Settings, queries};
 /// this ordered pair; the query reads and updates it.
 ///
 /// With parts, points, normal and distance belong to the nearest pair of parts, and the interval
-/// contains the distance of the whole: no pair is nearer than `lower`, and the distance of some pair
-/// is at most `upper`. The status is that of the nearest pair, unless another pair's interval makes
-/// the whole wider than the settings allow. Then it is the status of that other pair. For a
+/// contains the distance of the whole: no pair is nearer than `lower`, and the distance of some
+/// pair is at most `upper`. The status is that of the nearest pair, unless another pair's interval
+/// makes the whole wider than the settings allow. Then it is the status of that other pair. For a
 /// half-space, the normal is the plane's; if they overlap, both points are the lowest point of the
 /// other geometry.
 ///
 /// # Complexity
 /// Two shapes: 4 to 10 support calls for most pairs; bounded by `settings`. Rounded shapes cost up
-/// to three distance queries of their cores. Parts: branch and bound, starting with the nearest pair
-/// of the last query; at most all pairs of parts. Half-space: one support query for each part that
-/// may be the lowest. No allocation.
+/// to three distance queries of their cores. Parts: branch and bound, starting with the nearest
+/// pair of the last query; at most all pairs of parts. Half-space: one support query for each part
+/// that may be the lowest. No allocation.
 ///
 /// # Reference
 /// Gilbert, Johnson, Keerthi 1988 (GJK); Kenwright, section 4.6. docs/intervals.md proves the

@@ -11,7 +11,8 @@ use crate::solver::{self, Cache, CastSettings, Impact, Motion};
 /// When B, which starts at `b_in_a` and translates by `motion`, first meets A: the time of impact.
 ///
 /// Nothing rotates. Points and directions are in A's frame. The time is in the unit of `motion`,
-/// from 0 to `settings.max_t`. `cache` belongs to this ordered pair; the query reads and updates it.
+/// from 0 to `settings.max_t`. `cache` belongs to this ordered pair; the query reads and updates
+/// it.
 ///
 /// With parts, the answer comes from the pair of parts that meet first, and its interval contains
 /// the time of impact of the whole. A pair that grazes, where rounding error decides, before the
@@ -24,9 +25,9 @@ use crate::solver::{self, Cache, CastSettings, Impact, Motion};
 /// # Complexity
 /// Two shapes: no support call if their bounding balls miss each other, one if the last separating
 /// direction still separates them. 10 to 30 for most hits. Rounded shapes cost 3 to 8 distance
-/// queries of their cores. The number of steps is bounded by `settings`. Parts: branch and bound, at
-/// most one cast for each pair of parts, and usually only the few within the distance covered until
-/// the hit. Half-space: one support query for each part. No allocation.
+/// queries of their cores. The number of steps is bounded by `settings`. Parts: branch and bound,
+/// at most one cast for each pair of parts, and usually only the few within the distance covered
+/// until the hit. Half-space: one support query for each part. No allocation.
 ///
 /// # Reference
 /// van den Bergen 2004; Snethen, "XenoCollide". docs/intervals.md proves the interval.
@@ -74,10 +75,10 @@ where
 /// half-space, the normal is the plane's.
 ///
 /// # Complexity
-/// Two shapes: 2 to 8 distance queries for most pairs, and about four times as many support queries;
-/// bounded by `settings`. Parts: branch and bound, usually only searches for the few pairs that may
-/// meet first. Half-space: 2 to 4 steps for most motions, of up to a dozen support queries each. No
-/// allocation.
+/// Two shapes: 2 to 8 distance queries for most pairs, and about four times as many support
+/// queries; bounded by `settings`. Parts: branch and bound, usually only searches for the few pairs
+/// that may meet first. Half-space: 2 to 4 steps for most motions, of up to a dozen support queries
+/// each. No allocation.
 ///
 /// # Reference
 /// Mirtich 1996 (conservative advancement). docs/intervals.md proves the interval.

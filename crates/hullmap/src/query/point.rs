@@ -13,13 +13,13 @@ use crate::solver::{self, Cache, CastSettings, Ray, RayHit, Settings, SignedDist
 /// starts inside hits at t = 0, with the status [`Overlapping`](crate::Status::Overlapping). A ray
 /// whose direction is zero hits only what its origin is in.
 ///
-/// A shape is closed, and so is the ray at both ends, from t = 0 to `max_t`. If rounding error might
-/// decide, the vertices of a hull, a box or a triangle decide exactly. So a ray through an edge, a
-/// vertex or a seam hits every triangle and every hull there, with certainty, and cannot slip
-/// between them to the surface behind. Other shapes, such as spheres, may be grazed, where rounding
-/// error decides. A grazed part that is nearer than the first certain hit is the answer, with the
-/// status [`Stalled`](crate::Status::Stalled), and the interval extends to the certain hit. If only
-/// grazed parts were found, the interval contains the intervals of all of them.
+/// A shape is closed, and so is the ray at both ends, from t = 0 to `max_t`. If rounding error
+/// might decide, the vertices of a hull, a box or a triangle decide exactly. So a ray through an
+/// edge, a vertex or a seam hits every triangle and every hull there, with certainty, and cannot
+/// slip between them to the surface behind. Other shapes, such as spheres, may be grazed, where
+/// rounding error decides. A grazed part that is nearer than the first certain hit is the answer,
+/// with the status [`Stalled`](crate::Status::Stalled), and the interval extends to the certain
+/// hit. If only grazed parts were found, the interval contains the intervals of all of them.
 ///
 /// # Complexity
 /// A shape: no support call if the ray misses its bounding ball, 10 to 20 for most hits. The number
@@ -56,17 +56,17 @@ pub fn ray<G: Geometry + ?Sized>(a: &G, ray: &Ray, settings: &CastSettings) -> R
 /// Signed distance of `point` from the surface of `a`: positive outside, negative inside, with the
 /// closest point of the surface.
 ///
-/// Lengths are in the geometry's unit, points and directions in its frame. `cache` belongs to it and
-/// to points near this one; the query reads and updates it.
+/// Lengths are in the geometry's unit, points and directions in its frame. `cache` belongs to it
+/// and to points near this one; the query reads and updates it.
 ///
-/// With parts, it is the minimum of the signed distances from all parts. Outside, it is the distance
-/// from the union. Inside, it is the depth in the part in which the point is deepest, so a ball of
-/// radius `-distance` around the point is inside the union. Where parts overlap or touch, the surface
-/// of the union may be farther away, and `point` of the answer may be inside another part. Triangles
-/// have no inside:
-/// [`surface_distance`](crate::compound::surface_distance) is the signed distance from the surface
-/// of a closed mesh. The interval contains this minimum. A positive lower bound proves that the
-/// point is outside of the union, a negative upper bound that it is inside.
+/// With parts, it is the minimum of the signed distances from all parts. Outside, it is the
+/// distance from the union. Inside, it is the depth in the part in which the point is deepest, so a
+/// ball of radius `-distance` around the point is inside the union. Where parts overlap or touch,
+/// the surface of the union may be farther away, and `point` of the answer may be inside another
+/// part. Triangles have no inside: [`surface_distance`](crate::compound::surface_distance) is the
+/// signed distance from the surface of a closed mesh. The interval contains this minimum. A
+/// positive lower bound proves that the point is outside of the union, a negative upper bound that
+/// it is inside.
 ///
 /// # Errors
 /// A component of `point` is NaN, infinite, or beyond

@@ -155,8 +155,9 @@ impl Cache {
         Self::default()
     }
 
-    /// An empty cache with entries for `pairs` pairs of parts, at least one. A pair is assigned to an
-    /// entry by its indices; if two pairs share an entry, the later one replaces the earlier one.
+    /// An empty cache with entries for `pairs` pairs of parts, at least one. A pair is assigned to
+    /// an entry by its indices; if two pairs share an entry, the later one replaces the earlier
+    /// one.
     pub fn with_pairs(pairs: usize) -> Self {
         Self { parts: Some(Box::new(PartCaches::new(pairs))), ..Self::default() }
     }

@@ -119,7 +119,8 @@ impl Motion {
         self.velocity
     }
 
-    /// The motion of A in the frame of B, which is at `b_in_a` at the start and moves by this motion.
+    /// The motion of A in the frame of B, which is at `b_in_a` at the start and moves by this
+    /// motion.
     pub(crate) fn seen_from(&self, b_in_a: Pose) -> Self {
         Self { velocity: b_in_a.inverse_transform_vector(-self.velocity) }
     }

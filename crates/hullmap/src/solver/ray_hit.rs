@@ -46,8 +46,8 @@ pub struct RayHit {
     pub iterations: u32,
     /// Number of support calls.
     pub support_calls: u32,
-    /// Index of the part that decided the answer: the hull of a compound, the triangle of a mesh or a
-    /// field. 0 for a shape without parts.
+    /// Index of the part that decided the answer: the hull of a compound, the triangle of a mesh or
+    /// a field. 0 for a shape without parts.
     pub part: u32,
 }
 

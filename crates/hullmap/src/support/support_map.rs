@@ -264,9 +264,9 @@ pub trait SupportMap {
         self.point(feature)
     }
 
-    /// The point of the core with this feature that is farthest along `dir`, which is not 0, and its
-    /// derivative. By default a vertex, the [`core_point`](Self::core_point). `None`: nothing is
-    /// known about the feature.
+    /// The point of the core with this feature that is farthest along `dir`, which is not 0, and
+    /// its derivative. By default a vertex, the [`core_point`](Self::core_point). `None`: nothing
+    /// is known about the feature.
     #[doc(hidden)]
     fn core_feature_point(&self, feature: u32, dir: DVec3) -> Option<FeaturePoint> {
         let _ = dir;
