@@ -3,7 +3,7 @@
 //! They are searched one after the other on each thread: a search makes several queries of the same
 //! two shapes, so there is no memory to wait for after the first.
 
-use super::{BatchError, check_lengths, each};
+use super::{BatchError, map};
 use crate::continuous::{ClearSettings, Clearance, RigidMotion};
 use crate::geometry::Geometry;
 use crate::solver::Cache;
@@ -83,9 +83,5 @@ where
     A: Geometry + Sync + ?Sized,
     B: Geometry + Sync + ?Sized,
 {
-    check_lengths(pairs.len(), caches.len(), out.len())?;
-    each(pairs, caches, out, |pair, cache, out| {
-        *out = crate::clear(pair.a, &pair.motion_a, pair.b, &pair.motion_b, settings, cache);
-    });
-    Ok(())
+    map(pairs, caches, out, |pair, cache| crate::clear(pair.a, &pair.motion_a, pair.b, &pair.motion_b, settings, cache))
 }

@@ -107,6 +107,9 @@ pub(crate) fn intersects<A: Parts + ?Sized, B: Parts + ?Sized>(
     let first = cache.first([a.part_count(), b.part_count()]);
     if let Some(pair) = first {
         query(&mut best, pair, cache);
+        if best.status == Overlap::Overlapping {
+            return best;
+        }
     }
     let mut traversal = Traversal::new(Placement::new(a.nodes(), b.nodes(), b_in_a));
     while best.status != Overlap::Overlapping
