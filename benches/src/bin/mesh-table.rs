@@ -13,8 +13,7 @@ use clap::Parser;
 use glam::{DQuat, DVec3};
 use hullmap::compound::BodyManifold;
 use hullmap::{
-    CastSettings, CompoundCache, CompoundManifolds, ManifoldSettings, Motion, Pack, Pose, Prediction, Ray,
-    TriangleMesh, compound,
+    Cache, CastSettings, CompoundManifolds, ManifoldSettings, Motion, Pack, Pose, Prediction, Ray, TriangleMesh,
 };
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_bench::clock::time_ns;
@@ -317,14 +316,13 @@ fn rays(ground: &GroundMeshes, count: usize, rounds: usize) {
     let theirs: Vec<parry3d::query::Ray> =
         lines.iter().map(|(from, dir)| parry3d::query::Ray::new(from.as_vec3(), dir.as_vec3())).collect();
     let (mut ours, mut parry) = (Vec::new(), Vec::new());
-    let (mut hits, mut boxes) = ([0; 2], 0);
+    let mut hits = [0; 2];
     for _ in 0..rounds {
-        (hits, boxes) = ([0; 2], 0);
+        hits = [0; 2];
         let settings = CastSettings { max_t: 1e3, ..CastSettings::default() };
         ours.push(time(count, |i| {
-            let found = compound::ray(&ground.mesh, &rays[i], &settings);
-            hits[0] += usize::from(found.answer.hit);
-            boxes += u64::from(found.boxes);
+            let found = hullmap::ray(&ground.mesh, &rays[i], &settings);
+            hits[0] += usize::from(found.hit);
         }));
         parry.push(time(count, |i| {
             hits[1] += usize::from(ground.parry.cast_local_ray_and_get_normal(&theirs[i], 1e3, false).is_some());
@@ -333,13 +331,12 @@ fn rays(ground: &GroundMeshes, count: usize, rounds: usize) {
     let (ours, parry) = (median(ours), median(parry));
     println!(
         "\nrays on {} triangles: {ours:.3} µs, {:.2} million a second; parry {parry:.3} µs, {:.2}; {} and {} of {count} \
-         hit; {:.1} boxes a ray",
+         hit",
         ground.mesh.triangle_count(),
         1.0 / ours,
         1.0 / parry,
         hits[0],
-        hits[1],
-        boxes as f64 / count as f64
+        hits[1]
     );
 }
 
@@ -356,8 +353,8 @@ fn casts(ground: &GroundMeshes, count: usize, rounds: usize) {
         ours.push(time(count, |i| {
             let (start, motion) = (Pose::from_translation(lines[i].0), Motion::new(lines[i].1));
             let (start, motion) = (start.expect("finite"), motion.expect("finite"));
-            let found = compound::cast(&ground.mesh, &hull, start, motion, &settings, &mut CompoundCache::new(0));
-            hits[0] += usize::from(found.answer.hit);
+            let found = hullmap::cast(&ground.mesh, &hull, start, motion, &settings, &mut Cache::with_pairs(0));
+            hits[0] += usize::from(found.hit);
         }));
         parry.push(time(count, |i| {
             let pose = math::Pose::from_translation(lines[i].0.as_vec3());

@@ -708,7 +708,7 @@ typedef struct {
     // Upper bound of the depth.
     double depth_upper;
     // Unit vector from A to B. For separated convex shapes, a separating axis. For separated
-    // compounds, normal, points and counts are 0.
+    // compounds, normal and points are 0.
     HullmapVec3 normal;
     // The point of A that is deepest in B; if they are separated, some point of A.
     HullmapVec3 point_a;
@@ -1241,7 +1241,7 @@ HullmapResult hullmap_shape_triangle(HullmapVec3 a,
                                      HullmapShape **shape);
 
 // Everything below a plane: the points p with normal . p <= offset, after the normal is
-// normalised. For floors and walls. A half-space is always A, the first shape of a pair.
+// normalised. For floors and walls. Two half-spaces have no query.
 HullmapResult hullmap_shape_half_space(HullmapVec3 normal,
                                        double offset,
                                        HullmapShape **shape);
@@ -1353,7 +1353,7 @@ HullmapResult hullmap_cast_motion(const HullmapShape *a,
                                   HullmapDerivatives *derivatives);
 
 // Whether A and B, which move and turn, stay farther apart than a margin, and which clearance is
-// proven. Motions are in a common frame. A half-space is always A. settings and cache may be NULL.
+// proven. Motions are in a common frame. settings and cache may be NULL.
 HullmapResult hullmap_clear(const HullmapShape *a,
                             const HullmapMotion *motion_a,
                             const HullmapShape *b,

@@ -11,7 +11,7 @@ use hullmap::{ManifoldSettings, Pose, Settings};
 use rayon::prelude::*;
 
 use crate::failure::Fallible;
-use crate::handles::{Cache, Empty, Manifold, Memory, Points, Shape};
+use crate::handles::{Cache, Empty, Manifold, Points, Shape};
 use crate::{query, types};
 
 /// Minimum number of pairs per task: about 20 µs of work, ten times the cost of handing a task to
@@ -30,12 +30,12 @@ fn each<T: Send>(
     pairs: &[CheckedPair<'_>],
     caches: Option<&[&Cache]>,
     out: &mut [MaybeUninit<T>],
-    solve: impl Fn(&CheckedPair<'_>, &mut Memory) -> Fallible<T> + Sync,
+    solve: impl Fn(&CheckedPair<'_>, &mut hullmap::Cache) -> Fallible<T> + Sync,
 ) -> Fallible<()> {
     let jobs = pairs.par_iter().zip(out).with_min_len(MIN_PAIRS);
     let Some(caches) = caches else {
         // A task reuses one empty cache.
-        return jobs.try_for_each_init(Memory::default, |memory, (pair, out)| {
+        return jobs.try_for_each_init(hullmap::Cache::new, |memory, (pair, out)| {
             memory.empty();
             out.write(solve(pair, memory)?);
             Ok(())
@@ -45,7 +45,7 @@ fn each<T: Send>(
     for (index, cache) in caches.iter().enumerate() {
         guards.push(cache.0.take(format_args!("caches[{index}]"))?);
     }
-    let memories: Vec<&mut Memory> = guards.iter_mut().map(MutexGuard::deref_mut).collect();
+    let memories: Vec<&mut hullmap::Cache> = guards.iter_mut().map(MutexGuard::deref_mut).collect();
     jobs.zip(memories).try_for_each(|((pair, out), memory)| {
         out.write(solve(pair, memory)?);
         Ok(())

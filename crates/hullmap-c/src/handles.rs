@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use hullmap::compound::{ManifoldCounts, SharedSheet};
 use hullmap::glam::DVec3;
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Scaled, Segment, Sphere, Triangle};
-use hullmap::{CompoundCache, CompoundManifolds, SharedHull};
+use hullmap::{CompoundManifolds, SharedGeometry};
 
 use crate::failure::{Failure, Fallible};
 use crate::types::{ManifoldPoint, ManifoldPoints, Result as Code};
@@ -64,50 +64,11 @@ impl From<hullmap::HeightField> for HeightField {
 /// A shape: a hull, a whole pack as a compound, a triangle mesh, a height field, or a primitive. It
 /// never changes; threads may share it. A shape that comes from a file keeps it open.
 #[derive(Debug)]
-pub struct Shape {
-    pub(crate) kind: Kind,
-}
-
-/// The kinds that queries distinguish.
-pub(crate) enum Kind {
-    Hull(SharedHull),
-    Convex(Box<dyn hullmap::Shape + Send + Sync>),
-    Compound(Arc<hullmap::Pack>),
-    Sheet(SharedSheet),
-    HalfSpace(HalfSpace),
-}
-
-impl fmt::Debug for Kind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl Kind {
-    pub(crate) fn name(&self) -> &'static str {
-        match self {
-            Self::Hull(_) => "a hull",
-            Self::Convex(_) => "a primitive",
-            Self::Compound(_) => "a compound",
-            Self::Sheet(sheet) => sheet.name(),
-            Self::HalfSpace(_) => "a half-space",
-        }
-    }
-
-    /// The shape behind its support mapping, if it is convex and bounded.
-    #[inline]
-    pub(crate) fn convex(&self) -> Option<&dyn hullmap::Shape> {
-        match self {
-            Self::Hull(hull) => Some(hull.hull()),
-            Self::Convex(shape) => Some(&**shape),
-            Self::Compound(_) | Self::Sheet(_) | Self::HalfSpace(_) => None,
-        }
-    }
-}
+pub struct Shape(pub(crate) SharedGeometry);
 
 impl Shape {
     pub(crate) fn hull(pack: &Pack, index: usize) -> Fallible<Self> {
-        pack.0.shared_hull(index).map(|hull| Self { kind: Kind::Hull(hull) }).map_err(not_found)
+        pack.0.shared_hull(index).map(|hull| Self(hull.into())).map_err(not_found)
     }
 
     pub(crate) fn scaled_hull(pack: &Pack, index: usize, scale: DVec3) -> Fallible<Self> {
@@ -116,11 +77,11 @@ impl Shape {
     }
 
     pub(crate) fn compound(pack: &Pack) -> Self {
-        Self { kind: Kind::Compound(Arc::clone(&pack.0)) }
+        Self(Arc::clone(&pack.0).into())
     }
 
     pub(crate) fn sheet(sheet: SharedSheet) -> Self {
-        Self { kind: Kind::Sheet(sheet) }
+        Self(SharedGeometry::Sheet(sheet))
     }
 
     pub(crate) fn sphere(radius: f64) -> Fallible<Self> {
@@ -152,15 +113,14 @@ impl Shape {
     }
 
     pub(crate) fn half_space(normal: DVec3, offset: f64) -> Fallible<Self> {
-        let half_space = HalfSpace::new(normal, offset).map_err(invalid)?;
-        Ok(Self { kind: Kind::HalfSpace(half_space) })
+        HalfSpace::new(normal, offset).map(|half_space| Self(half_space.into())).map_err(invalid)
     }
 
     fn convex<S>(shape: Result<S, hullmap::ShapeError>) -> Fallible<Self>
     where
         S: hullmap::Shape + Send + Sync + 'static,
     {
-        shape.map(|shape| Self { kind: Kind::Convex(Box::new(shape)) }).map_err(invalid)
+        shape.map(|shape| Self(SharedGeometry::from_shape(shape))).map_err(invalid)
     }
 }
 
@@ -207,34 +167,17 @@ fn busy(name: impl fmt::Display) -> Failure {
 /// Memory of one ordered pair of shapes from query to query. It makes the next query cheaper, and
 /// changes answers by no more than rounding error. One call at a time may use it.
 #[derive(Debug)]
-pub struct Cache(pub(crate) Exclusive<Memory>);
+pub struct Cache(pub(crate) Exclusive<hullmap::Cache>);
 
 impl Cache {
     pub(crate) fn new() -> Self {
-        Self(Exclusive::new(Memory::default()))
+        Self(Exclusive::new(hullmap::Cache::new()))
     }
 }
 
-/// The caches of a pair: of convex shapes, and of compounds. The latter allocates, so it is made by
-/// the first query that needs it.
-#[derive(Debug, Default)]
-pub(crate) struct Memory {
-    pub(crate) convex: hullmap::Cache,
-    compound: Option<CompoundCache>,
-}
-
-impl Memory {
-    pub(crate) fn compound(&mut self) -> &mut CompoundCache {
-        self.compound.get_or_insert_default()
-    }
-}
-
-impl Empty for Memory {
+impl Empty for hullmap::Cache {
     fn empty(&mut self) {
-        self.convex.clear();
-        if let Some(compound) = &mut self.compound {
-            compound.clear();
-        }
+        self.clear();
     }
 }
 
@@ -256,14 +199,7 @@ impl Manifold {
         let pairs = pairs.max(1) as usize;
         // So that its memory never moves.
         let shown = Vec::with_capacity(pairs * hullmap::manifold::MAX_POINTS);
-        Ok(Self(Exclusive::new(Points {
-            pairs,
-            convex: hullmap::Manifold::new(),
-            cache: hullmap::Cache::new(),
-            compound: None,
-            shown,
-            counts: ManifoldCounts::default(),
-        })))
+        Ok(Self(Exclusive::new(Points { pairs, manifolds: None, shown, counts: ManifoldCounts::default() })))
     }
 }
 
@@ -272,10 +208,8 @@ impl Manifold {
 pub(crate) struct Points {
     /// Maximum number of pairs of hulls.
     pairs: usize,
-    pub(crate) convex: hullmap::Manifold,
-    pub(crate) cache: hullmap::Cache,
-    /// Made by the first update of a compound.
-    compound: Option<CompoundManifolds>,
+    /// Made by the first update.
+    manifolds: Option<CompoundManifolds>,
     /// The caller writes impulses and user data here.
     shown: Vec<ManifoldPoint>,
     counts: ManifoldCounts,
@@ -289,40 +223,18 @@ impl Points {
         ManifoldPoints { points, count, touching, dropped, pairs, iterations, support_calls }
     }
 
-    pub(crate) fn compound(&mut self) -> &mut CompoundManifolds {
-        self.convex.clear();
-        self.compound.get_or_insert_with(|| CompoundManifolds::new(self.pairs))
-    }
-
-    /// Takes over what the caller has written since the last update.
-    pub(crate) fn read_back(&mut self) {
-        let compound = self.compound.iter_mut().flat_map(CompoundManifolds::iter_mut);
-        let compound = compound.flat_map(|(_, manifold)| manifold.points_mut());
-        // Only one of the two has points.
-        for (point, shown) in self.convex.points_mut().iter_mut().chain(compound).zip(&self.shown) {
+    /// Takes over what the caller has written since the last update, updates the points, and shows
+    /// them to the caller.
+    pub(crate) fn update(&mut self, update: impl FnOnce(&mut CompoundManifolds) -> ManifoldCounts) {
+        let Self { pairs, manifolds, shown, counts } = self;
+        let manifolds = manifolds.get_or_insert_with(|| CompoundManifolds::new(*pairs));
+        let points = manifolds.iter_mut().flat_map(|(_, manifold)| manifold.points_mut());
+        for (point, shown) in points.zip(shown.iter()) {
             (point.impulse, point.user_data) = (shown.impulse, shown.user_data);
         }
-    }
-
-    /// Shows the points of the convex manifold to the caller.
-    pub(crate) fn show_convex(&mut self, found: &hullmap::Contact) {
-        if let Some(compound) = &mut self.compound {
-            compound.clear();
-        }
-        self.shown.clear();
-        show(&self.convex, [0, 0], &mut self.shown);
-        let touching = u32::from(!self.shown.is_empty());
-        let (iterations, support_calls) = (found.iterations, found.support_calls);
-        self.counts = ManifoldCounts { touching, pairs: 1, iterations, support_calls, ..ManifoldCounts::default() };
-    }
-
-    /// Shows the points of the compound's manifolds to the caller.
-    pub(crate) fn show_compound(&mut self, counts: ManifoldCounts) {
-        self.counts = counts;
-        self.shown.clear();
-        for (hulls, manifold) in self.compound.iter().flat_map(CompoundManifolds::iter) {
-            show(manifold, hulls, &mut self.shown);
-        }
+        *counts = update(manifolds);
+        shown.clear();
+        manifolds.iter().for_each(|(hulls, manifold)| show(manifold, hulls, shown));
     }
 }
 
@@ -347,11 +259,9 @@ fn show(manifold: &hullmap::Manifold, hulls: [usize; 2], shown: &mut Vec<Manifol
 
 impl Empty for Points {
     fn empty(&mut self) {
-        self.convex.clear();
-        self.cache.clear();
         self.counts = ManifoldCounts::default();
-        if let Some(compound) = &mut self.compound {
-            compound.clear();
+        if let Some(manifolds) = &mut self.manifolds {
+            manifolds.clear();
         }
         self.shown.clear();
     }

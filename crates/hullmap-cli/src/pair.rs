@@ -1,7 +1,8 @@
 //! Queries one pair of hulls, packs or triangle meshes in many poses.
 
 use glam::DVec3;
-use hullmap::{Compound, CompoundCache, Contact, Hull, Overlap, Pose, Settings, Status, TriangleMesh, compound};
+use hullmap::geometry::{Geometry, Visitor};
+use hullmap::{Cache, Contact, Distance, Hull, Intersection, Overlap, Pack, Pose, Settings, Status, TriangleMesh};
 
 use crate::args::Mode;
 
@@ -22,137 +23,117 @@ pub struct PairAnswer {
     pub iterations: u32,
     /// Pairs of support queries, one on each of the two hulls.
     pub support_calls: u32,
-    /// Indices of the hulls or triangles that decide the answer, if a side has several.
-    pub hulls: Option<[usize; 2]>,
+    /// Indices of the hulls or triangles that decide the answer.
+    pub parts: Option<[u32; 2]>,
 }
 
-pub trait Side: compound::Parts {
-    fn single_hull(&self) -> Option<Hull<'_>>;
-    fn has_parts(&self) -> bool;
-    fn part_name(&self, index: usize) -> Option<String>;
+/// One side of a query.
+#[derive(Debug)]
+pub enum Side<'a> {
+    /// A hull.
+    Hull(Box<Hull<'a>>),
+    /// A pack of several hulls.
+    Pack(&'a Pack),
+    /// A triangle mesh.
+    Mesh(&'a TriangleMesh),
 }
 
-impl Side for Compound<'_> {
-    fn single_hull(&self) -> Option<Hull<'_>> {
-        if self.hull_count() == 1 { self.hull(0) } else { None }
+impl Side<'_> {
+    /// Whether it has several parts.
+    pub fn has_parts(&self) -> bool {
+        !matches!(self, Self::Hull(_))
     }
 
-    fn has_parts(&self) -> bool {
-        self.hull_count() > 1
-    }
-
-    fn part_name(&self, index: usize) -> Option<String> {
-        Some(self.hull(index)?.name().to_owned())
+    /// Name of a part: of a hull its own, of a triangle its index.
+    pub fn part_name(&self, index: u32) -> Option<String> {
+        match self {
+            Self::Hull(hull) => Some(hull.name().to_owned()),
+            Self::Pack(pack) => Some(pack.hull(index as usize).ok()?.name().to_owned()),
+            Self::Mesh(_) => Some(index.to_string()),
+        }
     }
 }
 
-impl Side for TriangleMesh {
-    fn single_hull(&self) -> Option<Hull<'_>> {
-        None
-    }
-
-    fn has_parts(&self) -> bool {
-        true
-    }
-
-    fn part_name(&self, index: usize) -> Option<String> {
-        Some(index.to_string())
+impl Geometry for Side<'_> {
+    fn visit<V: Visitor>(&self, visitor: V) -> V::Output {
+        match self {
+            Self::Hull(hull) => hull.visit(visitor),
+            Self::Pack(pack) => pack.visit(visitor),
+            Self::Mesh(mesh) => mesh.visit(visitor),
+        }
     }
 }
 
 /// The cache carries over from pose to pose.
 #[derive(Debug)]
-pub struct PairSolver<'a, A, B> {
-    a: &'a A,
-    b: &'a B,
+pub struct PairSolver<'a> {
+    sides: [&'a Side<'a>; 2],
     settings: Settings,
-    cache: CompoundCache,
+    cache: Cache,
 }
 
-impl<'a, A: Side, B: Side> PairSolver<'a, A, B> {
-    pub fn new(a: &'a A, b: &'a B) -> Self {
-        Self { a, b, settings: Settings::default(), cache: CompoundCache::default() }
+impl<'a> PairSolver<'a> {
+    /// A solver with an empty cache.
+    pub fn new(a: &'a Side<'a>, b: &'a Side<'a>) -> Self {
+        Self { sides: [a, b], settings: Settings::default(), cache: Cache::new() }
     }
 
     /// Answers for one pose of B in A's frame.
     pub fn query(&mut self, b_in_a: Pose, mode: Mode) -> PairAnswer {
+        let Self { sides: [a, b], settings, cache } = self;
         match mode {
-            Mode::Intersect => self.intersect(b_in_a),
-            Mode::Distance => self.distance(b_in_a),
-            Mode::Contact => self.contact(b_in_a),
-        }
-    }
-
-    fn named(&self, hulls: [usize; 2]) -> Option<[usize; 2]> {
-        (self.a.has_parts() || self.b.has_parts()).then_some(hulls)
-    }
-
-    fn intersect(&mut self, b_in_a: Pose) -> PairAnswer {
-        let found = compound::intersects(self.a, self.b, b_in_a, &mut self.cache);
-        let is_hit = found.answer.is_hit();
-        PairAnswer {
-            hit: (found.answer.status != Overlap::Undecided).then_some(is_hit),
-            status: found.answer.status.as_str(),
-            iterations: found.answer.iterations,
-            support_calls: found.answer.support_calls,
-            hulls: self.named(found.hulls).filter(|_| is_hit),
-            ..PairAnswer::default()
-        }
-    }
-
-    fn distance(&mut self, b_in_a: Pose) -> PairAnswer {
-        let whole = compound::distance(self.a, self.b, b_in_a, &self.settings, &mut self.cache);
-        let found = whole.answer;
-        let hit = match found.status {
-            Status::Overlapping | Status::Touching => Some(true),
-            _ if found.lower > 0.0 => Some(false),
-            _ => None,
-        };
-        PairAnswer {
-            hit,
-            status: found.status.as_str(),
-            distance: Some([found.distance, found.lower, found.upper]),
-            normal: Some(found.normal.to_array()),
-            point_a: Some(found.point_a.to_array()),
-            point_b: Some(found.point_b.to_array()),
-            iterations: found.iterations,
-            support_calls: found.support_calls,
-            hulls: self.named(whole.hulls),
-            ..PairAnswer::default()
-        }
-    }
-
-    fn contact(&mut self, b_in_a: Pose) -> PairAnswer {
-        if let (Some(a), Some(b)) = (self.a.single_hull(), self.b.single_hull()) {
-            // One hull each: the solver returns a separating axis, which a compound does not.
-            let found = hullmap::contact(&a, &b, b_in_a, &self.settings, self.cache.pair([0, 0]));
-            return of_contact(&found, None);
-        }
-        match compound::contact(self.a, self.b, b_in_a, &self.settings, &mut self.cache) {
-            Some(whole) => of_contact(&whole.answer, self.named(whole.hulls)),
-            None => PairAnswer {
-                hit: Some(false),
-                status: Status::Separated.as_str(),
-                depth: Some([0.0; 3]),
-                ..PairAnswer::default()
-            },
+            Mode::Intersect => of_intersection(&hullmap::intersects(*a, *b, b_in_a, cache)),
+            Mode::Distance => of_distance(&hullmap::distance(*a, *b, b_in_a, settings, cache)),
+            Mode::Contact => of_contact(&hullmap::contact(*a, *b, b_in_a, settings, cache)),
         }
     }
 }
 
-fn of_contact(found: &Contact, hulls: Option<[usize; 2]>) -> PairAnswer {
+fn of_intersection(found: &Intersection) -> PairAnswer {
+    PairAnswer {
+        hit: (found.status != Overlap::Undecided).then_some(found.is_hit()),
+        status: found.status.as_str(),
+        iterations: found.iterations,
+        support_calls: found.support_calls,
+        parts: found.is_hit().then_some(found.parts),
+        ..PairAnswer::default()
+    }
+}
+
+fn of_distance(found: &Distance) -> PairAnswer {
+    let hit = match found.status {
+        Status::Overlapping | Status::Touching => Some(true),
+        _ if found.lower > 0.0 => Some(false),
+        _ => None,
+    };
+    PairAnswer {
+        hit,
+        status: found.status.as_str(),
+        distance: Some([found.distance, found.lower, found.upper]),
+        normal: Some(found.normal.to_array()),
+        point_a: Some(found.point_a.to_array()),
+        point_b: Some(found.point_b.to_array()),
+        iterations: found.iterations,
+        support_calls: found.support_calls,
+        parts: Some(found.parts),
+        ..PairAnswer::default()
+    }
+}
+
+fn of_contact(found: &Contact) -> PairAnswer {
     // For separated hulls the points are not the nearest ones; --mode distance finds these.
     let if_hit = |point: DVec3| found.hit.then_some(point.to_array());
     PairAnswer {
         hit: Some(found.hit),
         status: found.status.as_str(),
         depth: Some([found.depth, found.depth_lower, found.depth_upper]),
-        normal: Some(found.normal.to_array()),
+        // Separated parts have no common separating axis.
+        normal: Some(found.normal.to_array()).filter(|_| !found.normal.is_nan()),
         point_a: if_hit(found.point_a),
         point_b: if_hit(found.point_b),
         iterations: found.iterations,
         support_calls: found.support_calls,
-        hulls,
+        parts: found.hit.then_some(found.parts),
         ..PairAnswer::default()
     }
 }

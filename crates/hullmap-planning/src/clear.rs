@@ -296,11 +296,11 @@ impl EdgeSearch<'_> {
         let pair = &self.robot.pairs[index];
         let noise = self.robot.pair_noise(pair, memory);
         let pairing = self.robot.pairing(index, memory);
-        let mut gap = pairing.distance(&DISTANCES, &mut memory.caches).answer;
+        let mut gap = pairing.distance(&DISTANCES, &mut memory.caches);
         self.budget -= 1;
         let is_undecided = gap.lower - noise <= self.margin && self.margin < gap.upper + noise;
         if self.margin > 0.0 && is_undecided && self.budget > 0 {
-            gap = pairing.distance(&EXACT, &mut memory.caches).answer;
+            gap = pairing.distance(&EXACT, &mut memory.caches);
             self.budget -= 1;
         }
         let upper = gap.upper + noise;
@@ -310,7 +310,7 @@ impl EdgeSearch<'_> {
         let mut is_hit = self.margin > 0.0 && upper <= self.margin;
         if gap.status == Status::Overlapping && !is_hit && self.budget > 0 {
             // The poses have rounding errors, too.
-            let found = pairing.contact(&DISTANCES, &mut memory.caches).answer;
+            let found = pairing.contact(&DISTANCES, &mut memory.caches);
             self.budget -= 1;
             is_hit = found.hit && found.depth_lower > noise;
         }

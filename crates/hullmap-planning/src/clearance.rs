@@ -12,7 +12,6 @@ use hullmap_robot::Motion;
 
 use crate::error::PlanningError;
 use crate::memory::Memory;
-use crate::queries::Found;
 use crate::robot::{BodyOrObstacle, Robot};
 
 /// Clearance of a robot in a configuration.
@@ -53,8 +52,8 @@ impl Default for RobotClearance {
 
 #[derive(Clone, Copy)]
 enum Answer {
-    Apart(Found<Distance>),
-    Overlapping(Found<Contact>),
+    Apart(Distance),
+    Overlapping(Contact),
 }
 
 struct Decided {
@@ -166,7 +165,7 @@ impl Robot {
         let count = self.couples.len();
         let first = (0..count).map(|couple| (gap(couple, memory), couple)).min_by(|a, b| a.0.total_cmp(&b.0))?.1;
         let mut least = Least::NONE;
-        let mut nearest: Option<(f64, usize, Found<Distance>)> = None;
+        let mut nearest: Option<(f64, usize, Distance)> = None;
         let others = (0..count).filter(|couple| *couple != first);
         for couple in std::iter::once(first).chain(others) {
             let limit = nearest.as_ref().map_or(f64::INFINITY, |found| found.0);
@@ -181,14 +180,14 @@ impl Robot {
                 }
                 let found = self.pairing(index, memory).distance(settings, &mut memory.caches);
                 let noise = self.pair_noise(pair, memory);
-                if found.answer.status == Status::Overlapping {
+                if found.status == Status::Overlapping {
                     // If no depth is certain, it is only known that the pair overlaps.
                     let (lower, upper) = (f64::NEG_INFINITY, noise);
                     let unknown = Decided { pair: index, answer: Answer::Apart(found), lower, upper, is_tied: false };
                     return self.deepest(index, settings, memory).or(Some(unknown));
                 }
-                least.add(found.answer.lower - noise, index);
-                let upper = found.answer.upper + noise;
+                least.add(found.lower - noise, index);
+                let upper = found.upper + noise;
                 if nearest.as_ref().is_none_or(|best| upper < best.0) {
                     nearest = Some((upper, index, found));
                 }
@@ -203,7 +202,7 @@ impl Robot {
     /// The pair that overlaps most. `known` overlaps.
     fn deepest(&self, known: usize, settings: &Settings, memory: &mut Memory) -> Option<Decided> {
         let mut least = Least::NONE;
-        let mut deepest: Option<(f64, usize, Found<Contact>)> = None;
+        let mut deepest: Option<(f64, usize, Contact)> = None;
         for couple in 0..self.couples.len() {
             if self.couple_gap(&self.couples[couple], memory) > 0.0 {
                 continue;
@@ -214,12 +213,12 @@ impl Robot {
                     continue;
                 }
                 let found = self.pairing(index, memory).contact(settings, &mut memory.caches);
-                if !found.answer.hit {
+                if !found.hit {
                     continue;
                 }
                 let noise = self.pair_noise(pair, memory);
-                least.add(-found.answer.depth_upper - noise, index);
-                let upper = -found.answer.depth_lower + noise;
+                least.add(-found.depth_upper - noise, index);
+                let upper = -found.depth_lower + noise;
                 if deepest.as_ref().is_none_or(|best| upper < best.0) {
                     deepest = Some((upper, index, found));
                 }
@@ -235,10 +234,8 @@ impl Robot {
         let pair = &self.pairs[decided.pair];
         let a = self.frame_of_a(pair, memory);
         let (status, normal, points) = match &decided.answer {
-            Answer::Apart(Found { answer, .. }) => (answer.status, answer.normal, [answer.point_a, answer.point_b]),
-            Answer::Overlapping(Found { answer, .. }) => {
-                (answer.status, answer.normal, [answer.point_a, answer.point_b])
-            }
+            Answer::Apart(found) => (found.status, found.normal, [found.point_a, found.point_b]),
+            Answer::Overlapping(found) => (found.status, found.normal, [found.point_a, found.point_b]),
         };
         let (normal, mut points) = (a.rotation * normal, points.map(|point| a.apply(point)));
         // The link comes first.

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use hullmap::geometry::{Geometry, Visitor};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Scaled, ShapeError, Sphere};
-use hullmap::{Hull, Pack, Shape, SharedHull};
+use hullmap::{Hull, Pack, Shape, SharedGeometry, SharedHull};
 use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
 use hullmap_robot::{Frame, MeshUse, Primitive};
 
@@ -26,6 +27,24 @@ impl Convex {
         match self {
             Self::Hull(hull) => hull,
             Self::Shape(shape) => &**shape,
+        }
+    }
+}
+
+impl Geometry for Convex {
+    fn visit<V: Visitor>(&self, visitor: V) -> V::Output {
+        match self {
+            Self::Hull(hull) => visitor.shape(hull.hull()),
+            Self::Shape(shape) => visitor.shape::<dyn Shape>(&**shape),
+        }
+    }
+}
+
+impl From<Convex> for SharedGeometry {
+    fn from(convex: Convex) -> Self {
+        match convex {
+            Convex::Hull(hull) => Self::Hull(hull),
+            Convex::Shape(shape) => Self::Shape(shape),
         }
     }
 }

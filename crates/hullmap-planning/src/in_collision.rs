@@ -69,7 +69,7 @@ impl Robot {
         }
         let pairing = self.pairing(index, memory);
         if margin > 0.0 {
-            let found = pairing.distance(&Settings::default(), &mut memory.caches).answer;
+            let found = pairing.distance(&Settings::default(), &mut memory.caches);
             return !(found.lower - self.pair_noise(pair, memory) > margin);
         }
         pairing.overlap(&mut memory.caches) != Overlap::Separated

@@ -70,6 +70,6 @@ pub use error::PlanningError;
 pub use glam;
 pub use memory::Memory;
 pub use meshes::{MeshPoints, Packs, imported, read_file};
-pub use obstacle::{Obstacle, ObstacleShape};
+pub use obstacle::Obstacle;
 pub use robot::{JointFacts, Robot};
 pub use skipped::Skipped;

@@ -421,8 +421,8 @@ impl Robot {
         let back = a.rotation.conjugate();
         let b_in_a = Pose::new(back * (b.translation - a.translation), back * b.rotation).ok();
         let other = match pair.a {
-            BodyOrObstacle::Body(a) => Other::Convex(&self.bodies[a].convex),
-            BodyOrObstacle::Obstacle(a) => Other::from(&self.obstacles[a].obstacle.shape),
+            BodyOrObstacle::Body(a) => Other::Body(&self.bodies[a].convex),
+            BodyOrObstacle::Obstacle(a) => Other::Obstacle(&self.obstacles[a].obstacle.shape),
         };
         Pairing { index, a: other, b: &self.bodies[pair.b].convex, b_in_a }
     }

@@ -6,9 +6,9 @@ use std::f64::consts::PI;
 
 use described::{file, robot};
 use hullmap::shapes::{HalfSpace, Sphere};
-use hullmap::{Differentiability, Pose, Settings, Status, Verdict};
+use hullmap::{Differentiability, Pose, Settings, SharedGeometry, Status, Verdict};
 use hullmap_planning::glam::DVec3;
-use hullmap_planning::{Convex, EdgeSettings, Obstacle, ObstacleShape, PlanningError, Robot};
+use hullmap_planning::{EdgeSettings, Obstacle, PlanningError, Robot};
 use hullmap_random::SplitMix64;
 use hullmap_robot::{Description, Displacement, Places};
 
@@ -128,10 +128,10 @@ fn the_interval_of_a_hit_is_as_narrow_as_the_resolution() {
 fn obstacles_are_tested_unless_they_are_allowed() {
     let mut arm = balls();
     let at = |x, y| Pose::from_translation(DVec3::new(x, y, 0.0)).unwrap();
-    let ball = ObstacleShape::Convex(Convex::Shape(std::sync::Arc::new(Sphere::new(0.5).unwrap())));
-    let wall = ObstacleShape::HalfSpace(HalfSpace::new(DVec3::X, -1.5).unwrap());
+    let ball = SharedGeometry::from_shape(Sphere::new(0.5).unwrap());
+    let wall = SharedGeometry::HalfSpace(HalfSpace::new(DVec3::X, -1.5).unwrap());
     let obstacle =
-        |name: &str, shape: &ObstacleShape, pose| Obstacle { name: name.to_owned(), shape: shape.clone(), pose };
+        |name: &str, shape: &SharedGeometry, pose| Obstacle { name: name.to_owned(), shape: shape.clone(), pose };
     arm.add_obstacles([obstacle("ball", &ball, at(2.0, 1.0)), obstacle("wall", &wall, at(0.0, 0.0))]).unwrap();
     let again = arm.add_obstacles([obstacle("ball", &ball, at(9.0, 0.0))]).unwrap_err();
     assert!(matches!(again, PlanningError::NameInUse { .. }), "{again}");
@@ -359,7 +359,7 @@ fn parts_that_are_apart_have_no_depth() {
         hullmap_bake::bake_hull(&points, hullmap_bake::IndexKind::Tree).unwrap()
     };
     let bytes = hullmap_bake::write_pack(&[cube(0.0), cube(3.0)], &Default::default()).unwrap();
-    let shape = ObstacleShape::Compound(std::sync::Arc::new(hullmap::Pack::from_bytes(&bytes).unwrap()));
+    let shape = SharedGeometry::Compound(std::sync::Arc::new(hullmap::Pack::from_bytes(&bytes).unwrap()));
     arm.add_obstacles([Obstacle { name: "cubes".to_owned(), shape, pose: Pose::IDENTITY }]).unwrap();
     // The balls at base and tip overlap, and the tip is inside of the box around the cubes.
     let found = arm.clearance(&[0.0, 3.1], &Settings::default(), &mut arm.memory()).unwrap();

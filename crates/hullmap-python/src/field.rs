@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use hullmap::compound::SharedSheet;
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap::{self as core, EdgeClass};
 use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
@@ -14,7 +13,7 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::bake::in_python;
 use crate::error::{self, ArrayError, BakeError, Error, InvalidPack};
 use crate::mesh::{row, rows};
-use crate::shape::{Shape, Side};
+use crate::shape::Shape;
 
 /// An opened height field.
 #[pyclass(frozen, module = "hullmap._hullmap")]
@@ -139,6 +138,6 @@ impl HeightField {
 
     /// The field, for queries.
     fn shape(&self) -> Shape {
-        Shape(Side::Sheet(SharedSheet::Field(Arc::clone(&self.field))))
+        Shape(Arc::clone(&self.field).into())
     }
 }

@@ -6,7 +6,6 @@ use hullmap::{Contact, Distance, Intersection};
 use pyo3::prelude::*;
 
 use crate::error::ArrayError;
-use crate::query::Found;
 
 /// Whether `device` is the GPU. Fails if it is neither `cpu` nor `gpu`.
 pub fn is_gpu(device: &str) -> PyResult<bool> {
@@ -33,14 +32,13 @@ mod on_device {
     use std::collections::HashMap;
     use std::sync::{Arc, Mutex, PoisonError};
 
-    use hullmap::{Pack, Settings};
+    use hullmap::{Pack, Settings, SharedGeometry};
     use hullmap_wgpu::{Batch, Device, IndexedPair};
     use pyo3::prelude::*;
 
     pub use hullmap_wgpu::{Answer, Query as GpuQuery};
 
     use crate::error::{Error, PoseError, ShapeError};
-    use crate::shape::Side;
     use crate::task::Task;
 
     /// Rows between two checks for signals.
@@ -97,11 +95,11 @@ mod on_device {
     }
 
     /// The packs of all hulls, and the index of each hull in them.
-    fn packs(shapes: &[Side]) -> PyResult<(Vec<&Pack>, Vec<u32>)> {
+    fn packs(shapes: &[SharedGeometry]) -> PyResult<(Vec<&Pack>, Vec<u32>)> {
         let (mut packs, mut hulls, mut count) = (Vec::new(), Vec::with_capacity(shapes.len()), 0);
         let mut starts = HashMap::new();
         for shape in shapes {
-            let Side::Hull(hull) = shape else {
+            let SharedGeometry::Hull(hull) = shape else {
                 return Err(ShapeError::new_err("device='gpu' takes hulls: query other shapes with device='cpu'"));
             };
             let start = *starts.entry(Arc::as_ptr(hull.pack())).or_insert_with(|| {
@@ -160,9 +158,9 @@ pub fn known<T: FromGpu>(
     device: &str,
     task: &crate::task::Task<'_>,
     settings: &hullmap::Settings,
-) -> PyResult<impl Fn(usize) -> Option<Found<T>> + Sync + use<T>> {
+) -> PyResult<impl Fn(usize) -> Option<T> + Sync + use<T>> {
     let answers = if is_gpu(device)? { solve(py, task, T::QUERY, settings)? } else { Vec::new() };
-    Ok(move |row: usize| answers.get(row).and_then(T::from_gpu).map(Found::from))
+    Ok(move |row: usize| answers.get(row).and_then(T::from_gpu))
 }
 
 #[cfg(not(feature = "gpu"))]
@@ -200,7 +198,7 @@ mod conversions {
                 Ended::Overlapping => Overlap::Overlapping,
                 _ => return None,
             };
-            Some(Self { status, iterations: answer.steps, support_calls: answer.steps })
+            Some(Self { status, iterations: answer.steps, support_calls: answer.steps, ..Self::default() })
         }
     }
 

@@ -1,10 +1,10 @@
 //! Contact manifolds over arrays of poses: one for each pose of convex shapes, and one for each
 //! pair of parts that touch for packs.
 
-use hullmap::compound::{CompoundManifolds, ManifoldCounts, Parts};
+use hullmap::compound::{CompoundManifolds, ManifoldCounts};
 use hullmap::glam::DVec3;
 use hullmap::manifold::{MAX_POINTS, Manifold, ManifoldPoint, ManifoldSettings, Prediction};
-use hullmap::{Compound, Pose, Settings, Status};
+use hullmap::{Cache, Contact, Pose, Settings, SharedGeometry, Status};
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -13,9 +13,7 @@ use crate::columns::{Columns, columns, put, put_all, put_fields, put_vector};
 use crate::error::{ArrayError, PoseError};
 use crate::pairs::Queried;
 use crate::pose::PoseArrays;
-use crate::query::{self, convex};
-use crate::shape::Side;
-use crate::solve::code;
+use crate::solve::{Pair, code};
 use crate::task::{Cut, Task, fill};
 use crate::threads::Threads;
 
@@ -75,13 +73,13 @@ pub fn manifold<'py>(
     threads: Threads,
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings = manifold_settings(settings, prediction);
-    Task::new(&pairs, &poses, coherent, threads)?.solve::<Manifolds, _>(
+    Task::new(&pairs, &poses, coherent, threads)?.solve::<Manifolds, _, _>(
         py,
         ("manifold", false),
-        |_| Ok(query::Manifolds(settings)),
+        |_| Ok(|sides: Pair<'_>, pose: Pose, cache: &mut Cache| update(sides, pose, &settings, cache)),
         |_| None,
         |rows, at, found| {
-            let (manifold, contact) = &found.answer;
+            let Some((manifold, contact)) = found else { return };
             put_fields!(rows, at, contact; normal, hit);
             put(rows.status, at, code(manifold.status()));
             put_points!(rows, at, Some(manifold));
@@ -112,7 +110,7 @@ pub fn manifolds<'py>(
     let too_many = || PyMemoryError::new_err("not enough memory for all pairs of all poses: query fewer at a time");
     let count = task.count.checked_mul(max_pairs).ok_or_else(too_many)?;
     // More places than pairs of parts would never be used.
-    let parts_of = |[a, b]: [&Side; 2]| part_count(a).saturating_mul(part_count(b));
+    let parts_of = |[a, b]: Pair<'_>| part_count(a).saturating_mul(part_count(b));
     let most = (0..task.pairs.len()).filter_map(|pair| task.pairs.sides(pair)).map(parts_of).max();
     let places = max_pairs.min(most.unwrap_or(1));
     let solve = |first: usize, count: usize, mut rows: PairRows<'_>| {
@@ -125,9 +123,8 @@ pub fn manifolds<'py>(
             }
             let Some([a, b]) = task.pairs.sides(pose) else { continue };
             let b_in_a = task.poses.get(pose, task.pairs).map_err(|message| (pose, message))?;
-            if let Some(counts) = update(&mut found, a, b, b_in_a, &settings) {
-                write(&mut rows, at * max_pairs, max_pairs, &found, counts);
-            }
+            let counts = found.update(a, b, b_in_a, &settings);
+            write(&mut rows, at * max_pairs, max_pairs, &found, counts);
         }
         Ok(())
     };
@@ -135,45 +132,29 @@ pub fn manifolds<'py>(
     fill::<PairManifolds>(py, cut, threads, solve, PoseError::new_err)?.into_arrays(py)
 }
 
-fn part_count(side: &Side) -> usize {
+fn part_count(side: &SharedGeometry) -> usize {
     match side {
-        Side::Compound(pack) => pack.hull_count(),
-        Side::Sheet(sheet) => sheet.triangle_count(),
+        SharedGeometry::Compound(pack) => pack.hull_count(),
+        SharedGeometry::Sheet(sheet) => sheet.triangle_count(),
         _ => 1,
     }
 }
 
-/// Updates the manifolds for one pose. `None` for pairs that [`obstacle`] reports.
+/// The manifold and the contact for one pose. `None` for pairs that [`obstacle`] reports.
+///
+/// [`obstacle`]: crate::query::obstacle
 fn update(
-    found: &mut CompoundManifolds,
-    a: &Side,
-    b: &Side,
+    [a, b]: Pair<'_>,
     b_in_a: Pose,
     settings: &ManifoldSettings,
-) -> Option<ManifoldCounts> {
-    Some(match (a, b) {
-        (Side::HalfSpace(a), Side::Compound(b)) => found.update_half_space(a, &Compound::new(b), b_in_a, settings),
-        (Side::HalfSpace(a), Side::Sheet(b)) => found.update_half_space(a, b, b_in_a, settings),
-        (Side::HalfSpace(a), _) => found.update_half_space(a, convex(b)?, b_in_a, settings),
-        (Side::Compound(a), _) => update_against(found, &Compound::new(a), b, b_in_a, settings)?,
-        (Side::Sheet(a), _) => update_against(found, a, b, b_in_a, settings)?,
-        _ => update_against(found, convex(a)?, b, b_in_a, settings)?,
-    })
-}
-
-/// Updates the manifolds of parts against any bounded shape.
-fn update_against<A: Parts + ?Sized>(
-    found: &mut CompoundManifolds,
-    a: &A,
-    b: &Side,
-    b_in_a: Pose,
-    settings: &ManifoldSettings,
-) -> Option<ManifoldCounts> {
-    Some(match b {
-        Side::Compound(b) => found.update(a, &Compound::new(b), b_in_a, settings),
-        Side::Sheet(b) => found.update(a, b, b_in_a, settings),
-        _ => found.update(a, convex(b)?, b_in_a, settings),
-    })
+    cache: &mut Cache,
+) -> Option<(Manifold, Contact)> {
+    let (mut manifold, b) = (Manifold::new(), b.as_shape()?);
+    let contact = match a {
+        SharedGeometry::HalfSpace(a) => manifold.update_half_space(a, b, b_in_a, settings),
+        a => manifold.update(a.as_shape()?, b, b_in_a, settings, cache),
+    };
+    Some((manifold, contact))
 }
 
 /// Writes the manifolds of one pose, ordered by their parts, to the rows that start at `first`.

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use hullmap::compound::SharedSheet;
 use hullmap::{self as core, EdgeClass};
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 use numpy::{Element, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
@@ -12,7 +11,7 @@ use pyo3::types::{PyBytes, PyDict};
 
 use crate::bake::in_python;
 use crate::error::{self, ArrayError, BakeError, Error, InvalidPack};
-use crate::shape::{Shape, Side};
+use crate::shape::Shape;
 
 /// An opened triangle mesh.
 #[pyclass(frozen, module = "hullmap._hullmap")]
@@ -114,7 +113,7 @@ impl TriangleMesh {
 
     /// The mesh, for queries.
     fn shape(&self) -> Shape {
-        Shape(Side::Sheet(SharedSheet::Mesh(Arc::clone(&self.mesh))))
+        Shape(Arc::clone(&self.mesh).into())
     }
 }
 

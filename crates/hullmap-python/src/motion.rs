@@ -1,12 +1,7 @@
 //! Shapes that move and turn, and derivatives: one row for each motion or pose.
 
-use hullmap::compound::{self, Parts};
 use hullmap::glam::{DQuat, DVec3};
-use hullmap::shapes::HalfSpace;
-use hullmap::{
-    self as core, CastSettings, ClearSettings, Clearance, Compound, Derivatives, MotionSettings, Pose, RigidMotion,
-    Settings, TimeOfImpact,
-};
+use hullmap::{self as core, CastSettings, ClearSettings, MotionSettings, Pose, RigidMotion, Settings, SharedGeometry};
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -14,9 +9,9 @@ use pyo3::types::PyDict;
 use crate::columns::{Columns, columns, put, put_all, put_fields, put_vector};
 use crate::error::{ArrayError, PoseError, ShapeError};
 use crate::pose::Rows;
-use crate::query::{Caches, Found, convex};
+use crate::query::cache_of;
 use crate::robot::{differentiability_code, verdict_code};
-use crate::shape::{AnyConvex, Shape, Side};
+use crate::shape::Shape;
 use crate::solve::{Rays, code};
 use crate::task::{Cut, fill};
 use crate::threads::Threads;
@@ -120,109 +115,9 @@ fn motions(a: &PyReadonlyArray2<'_, f64>, b: &PyReadonlyArray2<'_, f64>) -> PyRe
     Ok((a, b, count))
 }
 
-/// A query of two moving shapes.
-trait MovingQuery: Sync {
-    type Answer;
-
-    fn parts<A: Parts + ?Sized, B: Parts + ?Sized>(
-        &self,
-        bodies: (&A, &B),
-        motions: [&RigidMotion; 2],
-        caches: &mut Caches,
-    ) -> Found<Self::Answer>;
-
-    fn half_space<B: Parts + ?Sized>(
-        &self,
-        bodies: (&HalfSpace, &B),
-        motions: [&RigidMotion; 2],
-    ) -> Found<Self::Answer>;
-
-    /// The answer for one pair of sides.
-    fn answer(&self, a: &Side, b: &Side, motions: [&RigidMotion; 2], caches: &mut Caches) -> Option<Found<Self::Answer>>
-    where
-        Self: Sized,
-    {
-        match (a, b) {
-            (Side::HalfSpace(a), Side::Compound(b)) => Some(self.half_space((a, &Compound::new(b)), motions)),
-            (Side::HalfSpace(a), Side::Sheet(b)) => Some(self.half_space((a, b), motions)),
-            (Side::HalfSpace(a), _) => Some(self.half_space((a, convex(b)?), motions)),
-            (Side::Compound(a), _) => self.against(&Compound::new(a), b, motions, caches),
-            (Side::Sheet(a), _) => self.against(a, b, motions, caches),
-            (Side::Hull(a), Side::Hull(b)) => Some(self.parts((a, b), motions, caches)),
-            _ => self.against(convex(a)?, b, motions, caches),
-        }
-    }
-
-    fn against<A: Parts + ?Sized>(
-        &self,
-        a: &A,
-        b: &Side,
-        motions: [&RigidMotion; 2],
-        caches: &mut Caches,
-    ) -> Option<Found<Self::Answer>>
-    where
-        Self: Sized,
-    {
-        Some(match b {
-            Side::Compound(b) => self.parts((a, &Compound::new(b)), motions, caches),
-            Side::Sheet(b) => self.parts((a, b), motions, caches),
-            _ => self.parts((a, convex(b)?), motions, caches),
-        })
-    }
-}
-
-fn found<T>(found: compound::CompoundAnswer<T>) -> Found<T> {
-    Found { answer: found.answer, parts: found.hulls.map(|hull| u32::try_from(hull).unwrap_or(u32::MAX)) }
-}
-
-impl MovingQuery for MotionSettings {
-    type Answer = TimeOfImpact;
-
-    fn parts<A: Parts + ?Sized, B: Parts + ?Sized>(
-        &self,
-        (a, b): (&A, &B),
-        [motion_a, motion_b]: [&RigidMotion; 2],
-        caches: &mut Caches,
-    ) -> Found<TimeOfImpact> {
-        found(compound::cast_motion(a, motion_a, b, motion_b, self, caches.compound()))
-    }
-
-    fn half_space<B: Parts + ?Sized>(
-        &self,
-        (a, b): (&HalfSpace, &B),
-        [motion_a, motion_b]: [&RigidMotion; 2],
-    ) -> Found<TimeOfImpact> {
-        found(compound::half_space::cast_motion(a, motion_a, b, motion_b, self))
-    }
-}
-
-impl MovingQuery for ClearSettings {
-    type Answer = Clearance;
-
-    fn parts<A: Parts + ?Sized, B: Parts + ?Sized>(
-        &self,
-        (a, b): (&A, &B),
-        [motion_a, motion_b]: [&RigidMotion; 2],
-        caches: &mut Caches,
-    ) -> Found<Clearance> {
-        found(compound::clear(a, motion_a, b, motion_b, self, caches.compound()))
-    }
-
-    fn half_space<B: Parts + ?Sized>(
-        &self,
-        (a, b): (&HalfSpace, &B),
-        [motion_a, motion_b]: [&RigidMotion; 2],
-    ) -> Found<Clearance> {
-        found(compound::half_space::clear(a, motion_a, b, motion_b, self))
-    }
-}
-
-/// Fails if B cannot be queried this way.
-fn check(query: &str, b: &Side) -> PyResult<()> {
-    if matches!(b, Side::HalfSpace(_)) {
-        return Err(ShapeError::new_err(format!("{query}: a half-space must be the first shape: exchange the two")));
-    }
-    Ok(())
+/// Fails if the two have no common query.
+fn check(query: &str, a: &SharedGeometry, b: &SharedGeometry) -> PyResult<()> {
+    a.check_pair(b).map_err(|error| ShapeError::new_err(format!("{query}: {error}")))
 }
 
 /// When shapes that move and turn first meet. The settings are target distance, tolerance, and the
@@ -239,7 +134,7 @@ pub fn cast_motion<'py>(
     threads: Threads,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (a, b) = (a.0.clone(), b.0.clone());
-    check("cast_motion", &b)?;
+    check("cast_motion", &a, &b)?;
     let (motions_a, motions_b, count) = motions(&motion_a, &motion_b)?;
     let settings = MotionSettings { target_distance: settings.0, tolerance: settings.1, max_iterations: settings.2 };
     let solve = |first: usize, count: usize, rows: ImpactRows<'_>| {
@@ -250,15 +145,16 @@ pub fn cast_motion<'py>(
                 let message = own.into_iter().find_map(Result::err).unwrap_or_default();
                 return Err((row, message));
             };
-            let mut caches = Caches::default();
-            let Some(found) = settings.answer(&a, &b, [motion_a, motion_b], &mut caches) else { continue };
-            let answer = &found.answer;
+            let found = core::cast_motion(&a, motion_a, &b, motion_b, &settings, &mut cache_of([&a, &b]));
             put_fields!(
-                rows, at, answer;
+                rows, at, found;
                 hit, t, t_lower, t_upper, status, normal, point_a, point_b, iterations, support_calls
             );
             put_all(rows.parts, at, &found.parts);
-            let by = derivatives_of_time(answer, [&a, &b], found.parts, [motion_a, motion_b]);
+            let with_b = |a: &dyn core::Shape| {
+                b.with_part(found.parts[1], |b| found.derivatives(a, motion_a, b, motion_b))
+            };
+            let by = a.with_part(found.parts[0], with_b).flatten();
             put(rows.differentiability, at, by.as_ref().map_or(6, |by| differentiability_code(by.status)));
             put_all(rows.by_a, at, &by.as_ref().map_or([0.0; 6], |by| by.of_a.to_array()));
             put_all(rows.by_b, at, &by.as_ref().map_or([0.0; 6], |by| by.of_b.to_array()));
@@ -266,27 +162,6 @@ pub fn cast_motion<'py>(
         Ok(())
     };
     fill::<Impacts>(py, Cut::free(count, PIECE), threads, solve, PoseError::new_err)?.into_arrays(py)
-}
-
-/// The part of a side that decides, or the side itself, for a function of support mappings. `None`
-/// for a half-space, which has none.
-fn with_part<T>(side: &Side, index: u32, run: impl FnOnce(&dyn core::Shape) -> Option<T>) -> Option<T> {
-    match side {
-        Side::Hull(hull) => run(hull),
-        Side::Convex(shape) => run(&**shape),
-        Side::Compound(pack) => run(&pack.hull(index as usize).ok()?),
-        Side::Sheet(sheet) => run(&sheet.triangle(index as usize)?),
-        Side::HalfSpace(_) => None,
-    }
-}
-
-fn derivatives_of_time(
-    found: &TimeOfImpact,
-    [a, b]: [&Side; 2],
-    parts: [u32; 2],
-    [motion_a, motion_b]: [&RigidMotion; 2],
-) -> Option<Derivatives> {
-    with_part(a, parts[0], |a| with_part(b, parts[1], |b| Some(found.derivatives(a, motion_a, b, motion_b))))
 }
 
 /// Whether shapes that move and turn stay clear of each other. The settings are margin, tolerance,
@@ -303,7 +178,7 @@ pub fn clear<'py>(
     threads: Threads,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (a, b) = (a.0.clone(), b.0.clone());
-    check("clear", &b)?;
+    check("clear", &a, &b)?;
     let (motions_a, motions_b, count) = motions(&motion_a, &motion_b)?;
     let (target_distance, tolerance, max_iterations, share) = settings;
     let motion = MotionSettings { target_distance, tolerance, max_iterations };
@@ -313,11 +188,9 @@ pub fn clear<'py>(
             let row = first + at;
             let motion_a = motions_a.get(row).map_err(|message| (row, message))?;
             let motion_b = motions_b.get(row).map_err(|message| (row, message))?;
-            let mut caches = Caches::default();
-            let Some(found) = settings.answer(&a, &b, [&motion_a, &motion_b], &mut caches) else { continue };
-            let answer = &found.answer;
-            put(rows.verdict, at, verdict_code(answer.verdict));
-            put_fields!(rows, at, answer; status, clearance, nearest, t_lower, t_upper, iterations, support_calls);
+            let found = core::clear(&a, &motion_a, &b, &motion_b, &settings, &mut cache_of([&a, &b]));
+            put(rows.verdict, at, verdict_code(found.verdict));
+            put_fields!(rows, at, found; status, clearance, nearest, t_lower, t_upper, iterations, support_calls);
             put_all(rows.parts, at, &found.parts);
         }
         Ok(())
@@ -326,8 +199,8 @@ pub fn clear<'py>(
 }
 
 /// A convex shape, for derivatives.
-fn convex_only(side: &Side) -> PyResult<&AnyConvex> {
-    convex(side).ok_or_else(|| {
+fn convex_only(side: &SharedGeometry) -> PyResult<&(dyn core::Shape + Send + Sync)> {
+    side.as_shape().ok_or_else(|| {
         let remedy = "query a pack or a mesh, and pass the hull or the triangle that decides";
         ShapeError::new_err(format!("derivatives takes convex shapes: {remedy}"))
     })

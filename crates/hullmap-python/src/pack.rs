@@ -10,7 +10,7 @@ use pyo3::types::{PyBytes, PyDict};
 
 use crate::error::{self, Error, InvalidPack};
 use crate::memory;
-use crate::shape::{Shape, Side};
+use crate::shape::Shape;
 use crate::threads::{self, Threads};
 
 /// An opened pack.
@@ -113,7 +113,7 @@ impl Pack {
 
     /// The union of all hulls, for queries.
     fn shape(&self) -> Shape {
-        Shape(Side::Compound(Arc::clone(&self.pack)))
+        Shape(Arc::clone(&self.pack).into())
     }
 }
 
@@ -134,7 +134,7 @@ pub struct Hull {
 #[pymethods]
 impl Hull {
     fn shape(&self) -> Shape {
-        Shape(Side::Hull(self.hull.clone()))
+        Shape(self.hull.clone().into())
     }
 
     #[getter]

@@ -3,13 +3,14 @@
 
 use std::sync::{Mutex, OnceLock};
 
+use hullmap::{Cache, SharedGeometry};
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 
 use crate::error::{ArrayError, ShapeError};
-use crate::query::{Caches, obstacle};
-use crate::shape::{Shape, Side};
+use crate::query::{cache_of, obstacle};
+use crate::shape::Shape;
 
 /// Shapes, and pairs of them by their indices.
 ///
@@ -17,10 +18,10 @@ use crate::shape::{Shape, Side};
 #[pyclass(frozen, module = "hullmap._hullmap")]
 #[derive(Default)]
 pub struct Pairs {
-    shapes: Vec<Side>,
+    shapes: Vec<SharedGeometry>,
     members: Vec<[u32; 2]>,
     /// Memory of each pair from call to call. Created by the first query of a motion.
-    memory: OnceLock<Vec<Mutex<Caches>>>,
+    memory: OnceLock<Vec<Mutex<Cache>>>,
 }
 
 impl Pairs {
@@ -45,18 +46,18 @@ impl Pairs {
     }
 
     /// The shapes of answer `row`. `None` if there are no pairs.
-    pub fn sides(&self, row: usize) -> Option<[&Side; 2]> {
+    pub fn sides(&self, row: usize) -> Option<[&SharedGeometry; 2]> {
         let [a, b] = self.members(row);
         Some([self.shapes.get(a)?, self.shapes.get(b)?])
     }
 
     /// All shapes.
-    pub fn shapes(&self) -> &[Side] {
+    pub fn shapes(&self) -> &[SharedGeometry] {
         &self.shapes
     }
 
     /// The memory of each pair. Fails if there is not enough memory.
-    pub fn memory(&self) -> PyResult<&[Mutex<Caches>]> {
+    pub fn memory(&self) -> PyResult<&[Mutex<Cache>]> {
         if let Some(memory) = self.memory.get() {
             return Ok(memory);
         }
@@ -64,15 +65,15 @@ impl Pairs {
         made.try_reserve_exact(self.len()).map_err(|_| {
             PyMemoryError::new_err(format!("not enough memory for {} pairs: query fewer at a time", self.len()))
         })?;
-        made.resize_with(self.len(), Mutex::default);
+        made.extend((0..self.len()).filter_map(|pair| self.sides(pair)).map(|sides| Mutex::new(cache_of(sides))));
         Ok(self.memory.get_or_init(|| made))
     }
 
     /// Fails if a pair cannot be queried.
-    pub fn check(&self, query: &str, takes_compounds: bool) -> PyResult<()> {
+    pub fn check(&self, query: &str, takes_parts: bool) -> PyResult<()> {
         let found = (0..self.len()).find_map(|pair| {
             let [a, b] = self.sides(pair)?;
-            Some((pair, obstacle(query, a, b, takes_compounds)?))
+            Some((pair, obstacle(query, a, b, takes_parts)?))
         });
         match found {
             None => Ok(()),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use hullmap::glam::{DQuat, DVec3};
 use hullmap::{Differentiability, Pose, Settings, Verdict};
 use hullmap_planning::{
-    Convex, EdgeSettings, Memory, Obstacle, ObstacleShape, Packs, PlanningError, Robot as Planner, RobotClearance,
+    EdgeSettings, Memory, Obstacle, Packs, PlanningError, Robot as Planner, RobotClearance,
     Skipped,
 };
 use hullmap_robot::{Description, Places};
@@ -16,7 +16,7 @@ use pyo3::types::PyDict;
 use crate::columns::{Columns, columns, put, put_all, put_fields, put_vector};
 use crate::error::{self, ArrayError, Error};
 use crate::pose::Rows;
-use crate::shape::{Shape, Side};
+use crate::shape::Shape;
 use crate::solve::code;
 use crate::task::{Cut, fill_into};
 use crate::threads::{self, Threads};
@@ -129,16 +129,6 @@ pub fn verdict_code(verdict: Verdict) -> u8 {
 
 fn pair_code(colliders: Option<[usize; 2]>) -> [u32; 2] {
     colliders.map_or([u32::MAX; 2], |pair| pair.map(|index| u32::try_from(index).unwrap_or(u32::MAX)))
-}
-
-fn obstacle_shape(side: &Side) -> ObstacleShape {
-    match side {
-        Side::Hull(hull) => ObstacleShape::Convex(Convex::Hull(hull.clone())),
-        Side::Convex(shape) => ObstacleShape::Convex(Convex::Shape(shape.clone())),
-        Side::HalfSpace(plane) => ObstacleShape::HalfSpace(*plane),
-        Side::Compound(pack) => ObstacleShape::Compound(pack.clone()),
-        Side::Sheet(sheet) => ObstacleShape::Sheet(sheet.clone()),
-    }
 }
 
 impl Robot {
@@ -303,7 +293,7 @@ impl Robot {
         let obstacles = obstacles.iter().map(|(name, shape, [x, y, z, i, j, k, w])| {
             let pose = Pose::new(DVec3::new(*x, *y, *z), DQuat::from_xyzw(*i, *j, *k, *w));
             let pose = pose.map_err(|error| error::PoseError::new_err(format!("obstacle {name}: {error}")))?;
-            Ok(Obstacle { name: name.clone(), shape: obstacle_shape(&shape.0), pose })
+            Ok(Obstacle { name: name.clone(), shape: shape.0.clone(), pose })
         });
         let obstacles = obstacles.collect::<PyResult<Vec<_>>>()?;
         self.changed(|robot| robot.add_obstacles(obstacles))

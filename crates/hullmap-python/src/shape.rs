@@ -1,35 +1,19 @@
 //! Shapes: hulls, packs as compounds, triangle meshes, height fields, primitives and half-spaces.
 
-use std::sync::Arc;
-
-use hullmap::compound::SharedSheet;
 use hullmap::glam::DVec3;
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Segment, Sphere, Triangle};
-use hullmap::{self as core, SharedHull};
+use hullmap::{self as core, SharedGeometry};
 use pyo3::prelude::*;
 
 use crate::error::ShapeError;
 
-/// A convex shape that is not a hull.
-pub type AnyConvex = dyn core::Shape + Send + Sync;
-
-/// One side of a query.
-#[derive(Clone)]
-pub enum Side {
-    Hull(SharedHull),
-    Convex(Arc<AnyConvex>),
-    HalfSpace(HalfSpace),
-    Compound(Arc<core::Pack>),
-    Sheet(SharedSheet),
-}
-
 /// A shape, for queries.
 #[pyclass(frozen, module = "hullmap._hullmap")]
-pub struct Shape(pub Side);
+pub struct Shape(pub SharedGeometry);
 
 fn convex(shape: Result<impl core::Shape + Send + Sync + 'static, core::ShapeError>) -> PyResult<Shape> {
     let shape = shape.map_err(|error| ShapeError::new_err(error.to_string()))?;
-    Ok(Shape(Side::Convex(Arc::new(shape))))
+    Ok(Shape(SharedGeometry::from_shape(shape)))
 }
 
 #[pymethods]
@@ -72,6 +56,6 @@ impl Shape {
     #[staticmethod]
     fn half_space(normal: [f64; 3], offset: f64) -> PyResult<Self> {
         let made = HalfSpace::new(DVec3::from_array(normal), offset);
-        Ok(Self(Side::HalfSpace(made.map_err(|error| ShapeError::new_err(error.to_string()))?)))
+        Ok(Self(made.map_err(|error| ShapeError::new_err(error.to_string()))?.into()))
     }
 }

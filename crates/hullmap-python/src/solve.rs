@@ -1,10 +1,9 @@
 //! The Python functions that run a query over arrays, one for each query.
 
-use hullmap::compound::{self, CompoundAnswer};
 use hullmap::glam::DVec3;
 use hullmap::{
-    self as core, CastSettings, Compound, Motion, Overlap, Ray, RayHit, Settings, SignedDistance, Status, SupportMap,
-    SupportPoint, VectorError,
+    self as core, Cache, CastSettings, Motion, Overlap, Pose, Ray, Settings, SharedGeometry, Status, SupportMap,
+    SupportPoint,
 };
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -15,8 +14,8 @@ use crate::error::{ArrayError, ShapeError};
 use crate::gpu;
 use crate::pairs::Queried;
 use crate::pose::PoseArrays;
-use crate::query::{self, Caches};
-use crate::shape::{Shape, Side};
+use crate::query::cache_of;
+use crate::shape::Shape;
 use crate::task::{Cut, PIECE, Task, fill};
 use crate::threads::Threads;
 
@@ -72,6 +71,9 @@ columns!(
     Supports, SupportRows { point: f64 = 3, vertex: u32 = 1, parts: u32 = 1 }
 );
 
+/// The two sides of a query.
+pub type Pair<'s> = [&'s SharedGeometry; 2];
+
 /// The code of a status, as in `hullmap.Status`.
 pub fn code(status: Status) -> u8 {
     match status {
@@ -116,16 +118,16 @@ pub fn intersects<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let task = Task::new(&pairs, &poses, coherent, threads)?;
     let known = gpu::known(py, device, &task, &Settings::default())?;
-    task.solve::<Intersections, _>(
+    task.solve::<Intersections, _, _>(
         py,
         ("intersects", true),
-        |_| Ok(query::Intersects),
+        |_| Ok(|[a, b]: Pair<'_>, pose: Pose, cache: &mut Cache| core::intersects(a, b, pose, cache)),
         known,
         |rows, at, found| {
-            put(rows.hit, at, found.answer.is_hit());
-            put(rows.status, at, overlap_code(found.answer.status));
-            put(rows.iterations, at, found.answer.iterations);
-            put(rows.support_calls, at, found.answer.support_calls);
+            put(rows.hit, at, found.is_hit());
+            put(rows.status, at, overlap_code(found.status));
+            put(rows.iterations, at, found.iterations);
+            put(rows.support_calls, at, found.support_calls);
             put_all(rows.parts, at, &found.parts);
         },
     )
@@ -146,15 +148,14 @@ pub fn distance<'py>(
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
     let task = Task::new(&pairs, &poses, coherent, threads)?;
     let known = gpu::known(py, device, &task, &settings)?;
-    task.solve::<Distances, _>(
+    task.solve::<Distances, _, _>(
         py,
         ("distance", true),
-        |_| Ok(query::Distances(settings)),
+        |_| Ok(|[a, b]: Pair<'_>, pose: Pose, cache: &mut Cache| core::distance(a, b, pose, &settings, cache)),
         known,
         |rows, at, found| {
-            let answer = &found.answer;
             put_fields!(
-                rows, at, answer;
+                rows, at, found;
                 distance, lower, upper, status, normal, point_a, point_b, iterations, support_calls
             );
             put_all(rows.parts, at, &found.parts);
@@ -177,15 +178,14 @@ pub fn contact<'py>(
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
     let task = Task::new(&pairs, &poses, coherent, threads)?;
     let known = gpu::known(py, device, &task, &settings)?;
-    task.solve::<Contacts, _>(
+    task.solve::<Contacts, _, _>(
         py,
         ("contact", true),
-        |_| Ok(query::Contacts(settings)),
+        |_| Ok(|[a, b]: Pair<'_>, pose: Pose, cache: &mut Cache| core::contact(a, b, pose, &settings, cache)),
         known,
         |rows, at, found| {
-            let answer = &found.answer;
             put_fields!(
-                rows, at, answer;
+                rows, at, found;
                 hit, depth, depth_lower, depth_upper, status, normal, point_a, point_b, iterations, support_calls
             );
             put_all(rows.parts, at, &found.parts);
@@ -209,18 +209,17 @@ pub fn cast<'py>(
     let velocities = Vectors::new("velocity", &velocities)?;
     let task = Task::new(&pairs, &poses, coherent, threads)?;
     velocities.check_count(task.count)?;
-    task.solve::<Impacts, _>(
+    task.solve::<Impacts, _, _>(
         py,
         ("cast", true),
         |row| {
-            let motion = Motion::new(velocities.get(row));
-            Ok(query::Cast(settings, motion.map_err(|error| format!("velocity[{row}]: {error}"))?))
+            let motion = Motion::new(velocities.get(row)).map_err(|error| format!("velocity[{row}]: {error}"))?;
+            Ok(move |[a, b]: Pair<'_>, pose: Pose, cache: &mut Cache| core::cast(a, b, pose, motion, &settings, cache))
         },
         |_| None,
         |rows, at, found| {
-            let answer = &found.answer;
             put_fields!(
-                rows, at, answer;
+                rows, at, found;
                 hit, t, t_lower, t_upper, status, normal, point_a, point_b, iterations, support_calls
             );
             put_all(rows.parts, at, &found.parts);
@@ -299,30 +298,13 @@ pub fn ray<'py>(
     let solve = |first: usize, count: usize, rows: RayRows<'_>| {
         for at in 0..count {
             let ray = rays.get(first + at)?;
-            let (hit, part) = cast_ray(&side, &ray, &settings);
+            let hit = core::ray(&side, &ray, &settings);
             put_fields!(rows, at, hit; hit, t, t_lower, t_upper, status, normal, point, iterations, support_calls);
-            put(rows.parts, at, part);
+            put(rows.parts, at, hit.part);
         }
         Ok(())
     };
     fill::<RayHits>(py, Cut::free(rays.count(), PIECE), threads, solve, ArrayError::new_err)?.into_arrays(py)
-}
-
-/// The first hit of a ray, and the hull of a pack that it hits.
-fn cast_ray(side: &Side, ray: &Ray, settings: &CastSettings) -> (RayHit, u32) {
-    match side {
-        Side::Hull(hull) => (core::ray(hull.hull(), ray, settings), 0),
-        Side::Convex(shape) => (core::ray(&**shape, ray, settings), 0),
-        Side::HalfSpace(half) => (half.ray(ray, settings), 0),
-        Side::Compound(pack) => {
-            let CompoundAnswer { answer, hulls, .. } = compound::ray(&Compound::new(pack), ray, settings);
-            (answer, u32::try_from(hulls[0]).unwrap_or(u32::MAX))
-        }
-        Side::Sheet(sheet) => {
-            let CompoundAnswer { answer, hulls, .. } = compound::ray(sheet, ray, settings);
-            (answer, u32::try_from(hulls[0]).unwrap_or(u32::MAX))
-        }
-    }
 }
 
 /// Signed distances of points from a shape. For a pack, the minimum over its hulls.
@@ -339,50 +321,27 @@ pub fn signed_distance<'py>(
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
     let points = Vectors::new("points", &points)?;
     let side = shape.0.clone();
-    if let Side::Sheet(sheet) = &side {
+    if let SharedGeometry::Sheet(sheet) = &side {
         let (name, remedy) = (sheet.name(), "query the distance of Sphere(0)");
         let message = format!("signed_distance takes a shape with an inside, found {name}: {remedy}");
         return Err(ShapeError::new_err(message));
     }
     let solve = |first: usize, count: usize, rows: SignedRows<'_>| {
-        let mut caches = Caches::default();
+        let mut cache = cache_of([&side; 2]);
         for at in 0..count {
             let row = first + at;
             if !coherent {
-                caches.clear();
+                cache.clear();
             }
-            let found = signed(&side, points.get(row), &settings, &mut caches);
-            let (found, part) = found.map_err(|error| (row, format!("points[{row}]: {error}")))?;
+            let found = core::signed_distance(&side, points.get(row), &settings, &mut cache);
+            let found = found.map_err(|error| (row, format!("points[{row}]: {error}")))?;
             put_fields!(rows, at, found; distance, lower, upper, status, normal, point, iterations, support_calls);
-            put(rows.parts, at, part);
+            put(rows.parts, at, found.part);
         }
         Ok(())
     };
     fill::<SignedDistances>(py, Cut::free(points.numbers.len(), PIECE), threads, solve, ArrayError::new_err)?
         .into_arrays(py)
-}
-
-/// The signed distance of a point, and the hull of a pack that decides it.
-fn signed(
-    side: &Side,
-    point: DVec3,
-    settings: &Settings,
-    caches: &mut Caches,
-) -> Result<(SignedDistance, u32), VectorError> {
-    let found = match side {
-        Side::Hull(hull) => core::signed_distance(hull.hull(), point, settings, &mut caches.pair)?,
-        Side::Convex(shape) => core::signed_distance(&**shape, point, settings, &mut caches.pair)?,
-        Side::HalfSpace(half) => half.signed_distance(point)?,
-        Side::Compound(pack) => {
-            let found = compound::signed_distance(&Compound::new(pack), point, settings, caches.compound())?;
-            return Ok((found.answer, u32::try_from(found.hulls[0]).unwrap_or(u32::MAX)));
-        }
-        Side::Sheet(sheet) => {
-            let found = compound::signed_distance(sheet, point, settings, caches.compound())?;
-            return Ok((found.answer, u32::try_from(found.hulls[0]).unwrap_or(u32::MAX)));
-        }
-    };
-    Ok((found, 0))
 }
 
 /// Support points of a bounded shape; for a pack, of the hull that reaches farthest.
@@ -396,11 +355,11 @@ pub fn support<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let directions = Vectors::new("directions", &directions)?;
     let side = shape.0.clone();
-    if let Side::Sheet(sheet) = &side {
+    if let SharedGeometry::Sheet(sheet) = &side {
         let message = format!("support takes a convex shape or a pack, found {}: use its vertices", sheet.name());
         return Err(ShapeError::new_err(message));
     }
-    if matches!(side, Side::HalfSpace(_)) {
+    if matches!(side, SharedGeometry::HalfSpace(_)) {
         return Err(ShapeError::new_err(
             "support takes a bounded shape, found a half-space: it reaches to infinity in all directions but one",
         ));
@@ -422,14 +381,15 @@ pub fn support<'py>(
                 ));
             }
             let (found, part) = match &side {
-                Side::Hull(hull) => (SupportMap::support_point(hull.hull(), direction), 0),
-                Side::Convex(shape) => (shape.support_point(direction), 0),
-                Side::Compound(pack) => match farthest(pack, direction) {
+                SharedGeometry::Compound(pack) => match farthest(pack, direction) {
                     Some(found) => found,
                     None => continue,
                 },
-                // Rejected above.
-                Side::HalfSpace(_) | Side::Sheet(_) => continue,
+                side => match side.as_shape() {
+                    Some(shape) => (shape.support_point(direction), 0),
+                    // Rejected above.
+                    None => continue,
+                },
             };
             put_vector(rows.point, at, found.point);
             put(rows.vertex, at, found.feature);

@@ -7,6 +7,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use hullmap::{Cache, Pose, SharedGeometry};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
@@ -15,7 +16,7 @@ use crate::columns::Columns;
 use crate::error::PoseError;
 use crate::pairs::{Pairs, Queried};
 use crate::pose::{PoseArrays, Poses};
-use crate::query::{self, Caches, ShapeQuery, answer};
+use crate::query::cache_of;
 use crate::threads::{self, Threads};
 
 /// Poses of a piece: about 300 µs of work, a hundred times the cost of handing it to a thread.
@@ -120,7 +121,7 @@ pub struct Task<'p> {
     pub piece: usize,
     coherent: bool,
     /// The caches of many pairs, if they move.
-    memory: Option<&'p [Mutex<Caches>]>,
+    memory: Option<&'p [Mutex<Cache>]>,
     threads: Threads,
 }
 
@@ -135,43 +136,41 @@ impl<'p> Task<'p> {
         Ok(Self { count: poses.count(pairs), pairs, poses, piece, coherent, memory, threads })
     }
 
-    /// Answers `query` for all poses but those whose answer is `known`; `write` writes an answer to
+    /// Answers the query of each row but those whose answer is `known`; `write` writes an answer to
     /// a row.
-    pub fn solve<'py, C: Columns, Q: ShapeQuery>(
+    pub fn solve<'py, C: Columns, T, Q: Fn([&SharedGeometry; 2], Pose, &mut Cache) -> T>(
         &self,
         py: Python<'py>,
-        (name, takes_compounds): (&str, bool),
+        (name, takes_parts): (&str, bool),
         query: impl Fn(usize) -> Result<Q, String> + Sync,
-        known: impl Fn(usize) -> Option<query::Found<Q::Answer>> + Sync,
-        write: impl Fn(&mut C::Rows<'_>, usize, &query::Found<Q::Answer>) + Sync,
+        known: impl Fn(usize) -> Option<T> + Sync,
+        write: impl Fn(&mut C::Rows<'_>, usize, &T) + Sync,
     ) -> PyResult<Bound<'py, PyDict>> {
-        self.pairs.check(name, takes_compounds)?;
+        self.pairs.check(name, takes_parts)?;
         let step = self.memory.map_or(usize::MAX, |memory| memory.len().max(1));
         let cut = Cut { step, ..Cut::free(self.count, self.piece) };
         let solve = |first: usize, count: usize, mut rows: C::Rows<'_>| {
-            let mut own = Caches::default();
+            let mut own = self.pairs.sides(first).map_or_else(Cache::new, cache_of);
             for at in 0..count {
                 let row = first + at;
                 if let Some(found) = known(row) {
                     write(&mut rows, at, &found);
                     continue;
                 }
-                let Some([a, b]) = self.pairs.sides(row) else { continue };
+                let Some(sides) = self.pairs.sides(row) else { continue };
                 let rejected = |message| (row, message);
                 let pose = self.poses.get(row, self.pairs).map_err(rejected)?;
                 let query = query(row).map_err(rejected)?;
                 let of_pair = self.memory.and_then(|memory| memory.get(row % memory.len().max(1)));
                 let found = if let Some(caches) = of_pair {
-                    answer(&query, a, b, pose, &mut caches.lock().unwrap_or_else(PoisonError::into_inner))
+                    query(sides, pose, &mut caches.lock().unwrap_or_else(PoisonError::into_inner))
                 } else {
                     if !self.coherent {
                         own.clear();
                     }
-                    answer(&query, a, b, pose, &mut own)
+                    query(sides, pose, &mut own)
                 };
-                if let Some(found) = found {
-                    write(&mut rows, at, &found);
-                }
+                write(&mut rows, at, &found);
             }
             Ok(())
         };

@@ -157,5 +157,6 @@ def test_queries_without_an_answer_are_errors(field):
         field.signed_distance([0, 0, 1])
     with pytest.raises(hullmap.ShapeError, match="height field"):
         hullmap.Box([1, 1, 1]).manifold(field, hullmap.poses([0, 0, 1]))
-    with pytest.raises(hullmap.ShapeError, match="half-space must be the first"):
-        field.distance(hullmap.HalfSpace([0, 0, 1]), hullmap.poses([0, 0, 1]))
+    above, below = hullmap.poses([0, 0, 1]), hullmap.poses([0, 0, -1])
+    plane = hullmap.HalfSpace([0, 0, 1])
+    assert field.distance(plane, above).distance == plane.distance(field, below).distance

@@ -159,5 +159,6 @@ def test_queries_without_an_answer_are_errors(mesh):
         mesh.signed_distance([0, 0, 1])
     with pytest.raises(hullmap.ShapeError, match="triangle mesh"):
         hullmap.Box([1, 1, 1]).manifold(mesh, hullmap.poses([0, 0, 1]))
-    with pytest.raises(hullmap.ShapeError, match="half-space must be the first"):
-        mesh.distance(hullmap.HalfSpace([0, 0, 1]), hullmap.poses([0, 0, 1]))
+    above, below = hullmap.poses([0, 0, 1]), hullmap.poses([0, 0, -1])
+    plane = hullmap.HalfSpace([0, 0, 1])
+    assert mesh.distance(plane, above).distance == plane.distance(mesh, below).distance

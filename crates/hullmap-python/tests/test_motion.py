@@ -91,8 +91,9 @@ def test_half_spaces_packs_and_wrong_input() -> None:
     assert hullmap.Verdict(int(hullmap.clear(floor, ball, still, falling).verdict)) == hullmap.Verdict.HIT
     found = hullmap.clear(floor, ball, still, hullmap.Motion.between(hullmap.poses([0, 0, 2]), hullmap.poses([0, 0, 1])))
     assert hullmap.Verdict(int(found.verdict)) == hullmap.Verdict.FREE and 0.25 <= float(found.clearance) <= 0.5
-    with pytest.raises(hullmap.ShapeError, match="must be the first shape"):
-        hullmap.cast_motion(ball, floor, falling, still)
+    assert float(hullmap.cast_motion(ball, floor, falling, still).t) == pytest.approx(0.375, abs=1e-6)
+    with pytest.raises(hullmap.ShapeError, match="two half-spaces have no query"):
+        hullmap.cast_motion(floor, floor, falling, still)
     pack = hullmap.bake_parts([(CUBE, None), (CUBE + [5, 0, 0], None)])
     found = hullmap.cast_motion(pack, ball, still, hullmap.Motion.between(hullmap.poses([5, 0, 4]), hullmap.poses([5, 0, 0])))
     assert found.parts.tolist() == [1, 0] and float(found.t) == pytest.approx(0.625, abs=1e-5)

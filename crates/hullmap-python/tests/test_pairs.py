@@ -82,8 +82,8 @@ def test_pairs_take_packs_and_planes(shapes):
             assert_same(found[at], alone)
     with pytest.raises(ShapeError, match="pair 0: manifold takes convex shapes, found a pack"):
         pairs.manifold(b_in_a)
-    with pytest.raises(ShapeError, match="pair 1: distance: a half-space must be the first shape"):
-        hullmap.Pairs([union, floor], [0, 0], [0, 1]).distance(hullmap.poses([0, 0, 0]))
+    with pytest.raises(ShapeError, match="pair 1: distance: two half-spaces have no query"):
+        hullmap.Pairs([union, floor], [0, 1], [0, 1]).distance(hullmap.poses([0, 0, 0]))
     # A pack in place of the list stands for its hulls.
     assert len(hullmap.Pairs(union, [0], [1]).shapes) == 2
 

@@ -190,15 +190,19 @@ def test_primitives_meet_hulls(cube, shape, depth):
     assert shape.support([1, 0, 0]).point.shape == (3,)
 
 
-def test_half_spaces_come_first(cube):
+def test_half_spaces_on_either_side(cube):
     floor = hullmap.HalfSpace([0, 0, 2], 1.0)
     found = floor.contact(cube, hullmap.poses([[0, 0, 1.75], [0, 0, 4]]))
     assert found.depth.tolist() == [0.25, 0.0] and found.hit.tolist() == [True, False]
     assert floor.manifold(cube, hullmap.poses([0, 0, 1.75])).count == 4
     assert floor.ray([0, 0, 3], [0, 0, -1]).t == 2.0
     assert floor.signed_distance([0, 0, -1]).distance == -2.0
+    found = cube.contact(floor, hullmap.poses([0, 0, -1.75]))
+    assert found.depth == 0.25 and found.normal.tolist() == [0, 0, -1]
+    with pytest.raises(hullmap.ShapeError, match="two half-spaces have no query"):
+        floor.contact(floor, hullmap.poses([0, 0, 0]))
     with pytest.raises(hullmap.ShapeError, match="must be the first shape"):
-        cube.contact(floor, hullmap.poses([0, 0, 0]))
+        cube.manifold(floor, hullmap.poses([0, 0, 0]))
 
 
 @pytest.fixture(scope="module")
@@ -337,8 +341,7 @@ def test_manifolds_of_pack_on_pack_and_floor(pair_of_cubes):
     for wrong in (0, -1, 65537, 2**40, 2.7, float("nan"), None):
         with pytest.raises(hullmap.ArrayError, match="max_pairs must be a whole number from 1 to 65536"):
             pack.manifolds(pack, single, max_pairs=wrong)
-    with pytest.raises(hullmap.ShapeError, match="must be the first shape"):
-        pack.manifolds(floor, single)
+    assert pack.manifolds(floor, hullmap.poses([0, 0, 0])).touching == floor.manifolds(pack, hullmap.poses([0, 0, 0])).touching
 
 
 def test_normals_at_seams_are_those_of_the_union():

@@ -1,7 +1,7 @@
 //! Rays that meet a vertex or the middle of two vertices without rounding: no answer may be behind.
 
 use glam::DVec3;
-use hullmap::{CastSettings, Compound, Pack, Ray, RayHit, SupportMap, compound};
+use hullmap::{CastSettings, Compound, Pack, Ray, RayHit, SupportMap};
 
 use crate::random::SplitMix;
 
@@ -60,7 +60,7 @@ pub(crate) fn ray_problem(pack: &Pack, seed: u64) -> Option<(usize, String)> {
         let aimed = AimedRay::at(target, target - way)?;
         let ray = Ray::new(aimed.origin, aimed.direction).ok()?;
         let settings = CastSettings::default();
-        let found = compound::ray(&whole, &ray, &settings).answer;
+        let found = hullmap::ray(&whole, &ray, &settings);
         let (t, AimedRay { origin, direction, .. }) = (found.t, &aimed);
         let tolerance = settings.tolerance * size / direction.length();
         (!aimed.is_met_by(&found, tolerance))
@@ -88,6 +88,7 @@ mod tests {
             normal: DVec3::X,
             iterations: 0,
             support_calls: 0,
+            part: 0,
         };
         assert!(aimed.is_met_by(&found(true, 1.0), 0.0) && aimed.is_met_by(&found(true, 0.5), 0.0));
         assert!(!aimed.is_met_by(&found(true, 1.2), 0.1) && !aimed.is_met_by(&found(false, f64::INFINITY), 0.1));

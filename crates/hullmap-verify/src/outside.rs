@@ -79,6 +79,8 @@ impl hullmap::SupportMap for Dot {
     }
 }
 
+impl hullmap::Shape for Dot {}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -14,7 +14,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 use hullmap::shapes::Sphere;
-use hullmap::{CastSettings, CompoundCache, EdgeClass, Pose, Ray, Settings, TriangleMesh, VertexClass, compound};
+use hullmap::{Cache, CastSettings, EdgeClass, Pose, Ray, Settings, TriangleMesh, VertexClass};
 use hullmap_bake::PointSet;
 use hullmap_import::{Materials, Polygons};
 use rayon::prelude::*;
@@ -362,7 +362,7 @@ fn compare_rays(
         .collect();
     let answer = |AimedRay { origin, direction, .. }: &AimedRay| {
         let ray = Ray::new(*origin, *direction).ok()?;
-        Some(compound::ray(mesh, &ray, &CastSettings::default()).answer)
+        Some(hullmap::ray(mesh, &ray, &CastSettings::default()))
     };
     let judged: Vec<(Option<hullmap::RayHit>, bool)> = rays
         .par_iter()
@@ -463,7 +463,7 @@ fn compare_points(
         let (Ok(pose), Ok(dot)) = (Pose::from_translation(*point), Sphere::new(0.0)) else {
             return (f64::NAN, f64::NAN, false);
         };
-        let found = compound::distance(mesh, &dot, pose, &Settings::default(), &mut CompoundCache::default()).answer;
+        let found = hullmap::distance(mesh, &dot, pose, &Settings::default(), &mut Cache::new());
         let error = ROUNDING * (space.scale + point.length());
         (found.distance, least, found.lower - error <= least && least <= found.upper + error)
     };

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use hullmap::compound::{self, CompoundAnswer, SharedSheet};
+use hullmap::compound::SharedSheet;
 use hullmap::glam::{DVec3, Vec3};
-use hullmap::{CastSettings, Compound, CompoundCache, EdgeClass, HeightField, Impact, Motion, TriangleMesh};
+use hullmap::{Cache, CastSettings, EdgeClass, HeightField, Impact, Motion, SharedGeometry, TriangleMesh};
 use hullmap_cli::{InMemoryError, bake_level};
 use hullmap_import::SourceFile;
 use hullmap_report::mesh::edges_by_class;
@@ -15,7 +15,7 @@ use wasm_bindgen::prelude::*;
 use crate::object::{Field, Plain, error, vector_from};
 use crate::options::{BakeOptions, Options, in_javascript};
 use crate::pair::pose_of;
-use crate::shape::{Body, Shape, Side};
+use crate::shape::{Body, Shape, geometry_of};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
@@ -215,14 +215,14 @@ impl Level {
 
     /// The level as a shape: for rays.
     pub fn shape(&self) -> Shape {
-        Shape(Side::Sheet(self.sheet.clone()))
+        Shape(SharedGeometry::Sheet(self.sheet.clone()))
     }
 
     /// When a body that starts at a pose and moves by `velocity` first meets the level, for t from
     /// 0 to `maxT`, infinite by default.
     ///
     /// # Errors
-    /// The body is a level or a half-space, or numbers are not finite.
+    /// Numbers are not finite.
     pub fn cast(
         &self,
         body: &Body,
@@ -230,20 +230,12 @@ impl Level {
         #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] velocity: &[f64],
         #[wasm_bindgen(js_name = maxT)] max_t: Option<f64>,
     ) -> Result<ImpactAnswer, JsError> {
-        let (body, pose) = (Side::of_body("body", body)?, pose_of(pose)?);
+        let (body, pose) = (geometry_of("body", body)?, pose_of(pose)?);
         let motion = Motion::new(vector_from("velocity", velocity)?).map_err(error)?;
         let usual = CastSettings::default();
         let settings = CastSettings { max_t: max_t.unwrap_or(usual.max_t), ..usual };
-        let cache = &mut CompoundCache::default();
-        let found = match (&body, body.convex()) {
-            (_, Some(convex)) => compound::cast(&self.sheet, convex, pose, motion, &settings, cache),
-            (Side::Compound(pack), _) => {
-                compound::cast(&self.sheet, &Compound::new(pack), pose, motion, &settings, cache)
-            }
-            _ => return Err(error("body: expected a Hull, a Pack or a convex Shape")),
-        };
-        let CompoundAnswer { answer, hulls, .. } = found;
-        let Impact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, .. } = answer;
+        let found = hullmap::cast(&self.sheet, &body, pose, motion, &settings, &mut Cache::new());
+        let Impact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, parts, .. } = found;
         let [point_a, point_b] = if hit { [point_a, point_b] } else { [DVec3::NAN; 2] };
         let fields = [
             ("hit", Field::Flag(hit)),
@@ -254,7 +246,7 @@ impl Level {
             ("normal", Field::Vector(normal)),
             ("pointA", Field::Vector(point_a)),
             ("pointB", Field::Vector(point_b)),
-            ("parts", Field::Parts(hulls)),
+            ("parts", Field::Parts(parts)),
         ];
         Ok(Plain::from_fields(&fields).done())
     }

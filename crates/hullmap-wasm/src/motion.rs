@@ -1,13 +1,11 @@
 //! Two bodies of which B moves and turns: when they first meet.
 
-use hullmap::compound::{self, half_space};
-use hullmap::{Compound, MotionSettings, Pose, RigidMotion, TimeOfImpact, cast_motion};
+use hullmap::{MotionSettings, Pose, RigidMotion, TimeOfImpact};
 use js_sys::Float64Array;
 use wasm_bindgen::prelude::*;
 
 use crate::object::{Field, Fields, Plain, error};
-use crate::pair::{Found, QueryPair, no_query, of_compound, of_parts, pose_of};
-use crate::shape::Side;
+use crate::pair::{QueryPair, pose_of};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
@@ -47,7 +45,7 @@ fn motion_between(start: &[f64], end: &[f64]) -> Result<RigidMotion, JsError> {
     RigidMotion::between(pose_of(start)?, pose_of(end)?).map_err(error)
 }
 
-fn fields((found, parts): &Found<TimeOfImpact>) -> Fields {
+fn fields(found: &TimeOfImpact) -> Fields {
     vec![
         ("hit", Field::Flag(found.hit)),
         ("status", Field::Word(found.status.as_str())),
@@ -59,7 +57,7 @@ fn fields((found, parts): &Found<TimeOfImpact>) -> Fields {
         ("pointB", Field::Vector(found.point_b)),
         ("iterations", Field::Count(found.iterations)),
         ("supportCalls", Field::Count(found.support_calls)),
-        ("parts", Field::Parts(*parts)),
+        ("parts", Field::Parts(found.parts)),
     ]
 }
 
@@ -79,25 +77,6 @@ pub fn pose_between(
     Ok(Float64Array::from([place.as_slice(), turn.as_slice()].concat().as_slice()))
 }
 
-impl QueryPair {
-    fn find_impact(&mut self, motion: &RigidMotion) -> Option<Found<TimeOfImpact>> {
-        let (cache, compound) = (&mut self.memory.convex, &mut self.memory.compound);
-        let (still, settings) = (&RigidMotion::still(Pose::IDENTITY), &MotionSettings::default());
-        Some(match (&self.a, &self.b) {
-            (Side::HalfSpace(a), Side::Compound(b)) => {
-                of_compound(half_space::cast_motion(a, still, &Compound::new(b), motion, settings))
-            }
-            (Side::HalfSpace(a), b) => (a.cast_motion(still, b.convex()?, motion, settings), [0, 0]),
-            (a, b) => match (a.convex(), b.convex()) {
-                (Some(a), Some(b)) => (cast_motion(a, still, b, motion, settings, cache), [0, 0]),
-                _ => {
-                    of_compound(of_parts!(a, b, |a, b| compound::cast_motion(a, still, b, motion, settings, compound))?)
-                }
-            },
-        })
-    }
-}
-
 #[wasm_bindgen(js_class = Pair)]
 impl QueryPair {
     /// When B, which moves from the pose `start` to the pose `end` as in `poseBetween`, first meets
@@ -112,6 +91,8 @@ impl QueryPair {
         #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] end: &[f64],
     ) -> Result<ImpactAnswer, JsError> {
         let motion = motion_between(start, end)?;
-        Ok(Plain::from_fields(&fields(&self.find_impact(&motion).ok_or_else(no_query)?)).done())
+        let (still, settings) = (RigidMotion::still(Pose::IDENTITY), MotionSettings::default());
+        let found = hullmap::cast_motion(&self.a, &still, &self.b, &motion, &settings, &mut self.cache);
+        Ok(Plain::from_fields(&fields(&found)).done())
     }
 }

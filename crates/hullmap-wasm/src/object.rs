@@ -21,7 +21,7 @@ pub enum Field {
     /// A vector of three numbers.
     Vector(DVec3),
     /// Indices of hulls in A and in B.
-    Parts([usize; 2]),
+    Parts([u32; 2]),
 }
 
 /// The fields of one answer, by their names in JavaScript.
@@ -77,7 +77,7 @@ impl Column {
                 column.push(&word_of(word));
             }
             (Self::Counts(column), Field::Count(count)) => column.push(count),
-            (Self::Counts(column), Field::Parts(parts)) => column.extend(indices(parts)),
+            (Self::Counts(column), Field::Parts(parts)) => column.extend(parts),
             (Self::Numbers(column), Field::Number(number)) => column.push(number),
             (Self::Numbers(column), Field::Vector(vector)) => column.extend(vector.to_array()),
             // The answers of one query have the same fields.
@@ -137,14 +137,9 @@ pub fn word_of(word: &'static str) -> JsValue {
     })
 }
 
-/// Indices of hulls as numbers of JavaScript. A pack is below 2 GiB, so there are fewer than 2^32.
-fn indices(parts: [usize; 2]) -> [u32; 2] {
-    parts.map(|part| u32::try_from(part).unwrap_or(u32::MAX))
-}
-
 /// Indices of hulls as a `Uint32Array` of two.
-pub fn parts_of(parts: [usize; 2]) -> Uint32Array {
-    Uint32Array::from(indices(parts).as_slice())
+pub fn parts_of(parts: [u32; 2]) -> Uint32Array {
+    Uint32Array::from(parts.as_slice())
 }
 
 /// A vector as a `Float64Array` of three.

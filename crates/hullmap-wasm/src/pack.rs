@@ -8,7 +8,7 @@ use js_sys::{Float64Array, JSON};
 use wasm_bindgen::prelude::*;
 
 use crate::object::{Plain, error, rows_of, vector_of};
-use crate::shape::{Shape, Side};
+use crate::shape::Shape;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
@@ -158,7 +158,7 @@ impl Pack {
 
     /// The union of all hulls as a shape, for instance to cast rays at it.
     pub fn shape(&self) -> Shape {
-        Shape(Side::Compound(Arc::clone(&self.0)))
+        Shape(Arc::clone(&self.0).into())
     }
 }
 
@@ -323,7 +323,7 @@ impl Hull {
 
     /// The hull as a shape, for instance to cast rays at it.
     pub fn shape(&self) -> Shape {
-        Shape(Side::Hull(self.0.clone()))
+        Shape(self.0.clone().into())
     }
 
     /// Positions of the vertices, three numbers each, in the hull's frame.

@@ -1,15 +1,14 @@
 //! Queries on two bodies, with the memory that makes the next query cheaper.
 
-use hullmap::compound::{self, CompoundAnswer, CompoundManifolds, half_space};
 use hullmap::glam::{DQuat, DVec3};
 use hullmap::{
-    Cache, Compound, CompoundCache, Contact, Distance, Intersection, Manifold, ManifoldSettings, Pose, Settings, Status,
+    Cache, CompoundManifolds, Contact, Distance, Intersection, ManifoldSettings, Pose, Settings, SharedGeometry,
 };
 use js_sys::Array;
 use wasm_bindgen::prelude::*;
 
 use crate::object::{Columns, Field, Fields, Plain, error, parts_of, vector_of, word_of};
-use crate::shape::{Body, Side};
+use crate::shape::{Body, geometry_of};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
@@ -167,112 +166,30 @@ const CACHES: usize = 16;
 /// frame into A's. The quaternion is normalised.
 #[wasm_bindgen(js_name = Pair)]
 pub struct QueryPair {
-    pub(crate) a: Side,
-    pub(crate) b: Side,
-    pub(crate) memory: Memory,
+    pub(crate) a: SharedGeometry,
+    pub(crate) b: SharedGeometry,
+    pub(crate) cache: Cache,
+    manifolds: CompoundManifolds,
 }
 
-/// Memory of the queries of a pair.
-pub(crate) struct Memory {
-    pub(crate) convex: Cache,
-    pub(crate) compound: CompoundCache,
-    manifold_cache: Cache,
-    manifold: Manifold,
-    manifolds: Option<Box<CompoundManifolds>>,
-}
-
-impl Memory {
-    fn new(is_compound: bool) -> Self {
-        Self {
-            convex: Cache::new(),
-            compound: CompoundCache::new(if is_compound { CACHES } else { 0 }),
-            manifold_cache: Cache::new(),
-            manifold: Manifold::new(),
-            manifolds: is_compound.then(|| Box::new(CompoundManifolds::new(MANIFOLDS))),
-        }
-    }
-}
-
-/// Evaluates `$call` with the two bodies by their kinds; one of them is a pack, or A is a level.
-macro_rules! of_parts {
-    ($a:expr, $b:expr, |$x:ident, $y:ident| $call:expr) => {
-        match ($a, $b) {
-            (Side::Compound(a), Side::Compound(b)) => {
-                let ($x, $y) = (&Compound::new(a), &Compound::new(b));
-                Some($call)
-            }
-            (Side::Sheet($x), Side::Compound(b)) => {
-                let $y = &Compound::new(b);
-                Some($call)
-            }
-            (Side::Sheet($x), b) => b.convex().map(|$y| $call),
-            (Side::Compound(a), b) => b.convex().map(|$y| {
-                let $x = &Compound::new(a);
-                $call
-            }),
-            (a, Side::Compound(b)) => a.convex().map(|$x| {
-                let $y = &Compound::new(b);
-                $call
-            }),
-            _ => None,
-        }
-    };
-}
-pub(crate) use of_parts;
-
-/// An answer, and the hulls of A and B that decided it.
-pub(crate) type Found<T> = (T, [usize; 2]);
-
-// Each query has a case for two hulls, for a half-space and a pack or a convex body, for two convex
-// bodies, and for packs and levels. `None`: the constructor rejects such pairs.
 impl QueryPair {
-    fn find_intersection(&mut self, pose: Pose) -> Option<Found<Intersection>> {
-        let (cache, compound) = (&mut self.memory.convex, &mut self.memory.compound);
-        Some(match (&self.a, &self.b) {
-            (Side::Hull(a), Side::Hull(b)) => (hullmap::intersects(a.hull(), b.hull(), pose, cache), [0, 0]),
-            (Side::HalfSpace(a), Side::Compound(b)) => of_compound(half_space::intersects(a, &Compound::new(b), pose)),
-            (Side::HalfSpace(a), b) => (a.intersects(b.convex()?, pose), [0, 0]),
-            (a, b) => match (a.convex(), b.convex()) {
-                (Some(a), Some(b)) => (hullmap::intersects(a, b, pose, cache), [0, 0]),
-                _ => of_compound(of_parts!(a, b, |a, b| compound::intersects(a, b, pose, compound))?),
-            },
-        })
+    fn find_intersection(&mut self, pose: Pose) -> Intersection {
+        hullmap::intersects(&self.a, &self.b, pose, &mut self.cache)
     }
 
-    fn find_contact(&mut self, pose: Pose) -> Option<Found<Contact>> {
-        let (cache, compound) = (&mut self.memory.convex, &mut self.memory.compound);
-        let settings = &Settings::default();
-        Some(match (&self.a, &self.b) {
-            (Side::Hull(a), Side::Hull(b)) => (hullmap::contact(a.hull(), b.hull(), pose, settings, cache), [0, 0]),
-            (Side::HalfSpace(a), Side::Compound(b)) => of_compound(half_space::contact(a, &Compound::new(b), pose)),
-            (Side::HalfSpace(a), b) => (a.contact(b.convex()?, pose), [0, 0]),
-            (a, b) => match (a.convex(), b.convex()) {
-                (Some(a), Some(b)) => (hullmap::contact(a, b, pose, settings, cache), [0, 0]),
-                _ => of_parts!(a, b, |a, b| compound::contact(a, b, pose, settings, compound))?
-                    .map_or_else(separated, of_compound),
-            },
-        })
+    fn find_contact(&mut self, pose: Pose) -> Contact {
+        hullmap::contact(&self.a, &self.b, pose, &Settings::default(), &mut self.cache)
     }
 
-    fn find_distance(&mut self, pose: Pose) -> Option<Found<Distance>> {
-        let (cache, compound) = (&mut self.memory.convex, &mut self.memory.compound);
-        let settings = &Settings::default();
-        Some(match (&self.a, &self.b) {
-            (Side::Hull(a), Side::Hull(b)) => (hullmap::distance(a.hull(), b.hull(), pose, settings, cache), [0, 0]),
-            (Side::HalfSpace(a), Side::Compound(b)) => of_compound(half_space::distance(a, &Compound::new(b), pose)),
-            (Side::HalfSpace(a), b) => (a.distance(b.convex()?, pose), [0, 0]),
-            (a, b) => match (a.convex(), b.convex()) {
-                (Some(a), Some(b)) => (hullmap::distance(a, b, pose, settings, cache), [0, 0]),
-                _ => of_compound(of_parts!(a, b, |a, b| compound::distance(a, b, pose, settings, compound))?),
-            },
-        })
+    fn find_distance(&mut self, pose: Pose) -> Distance {
+        hullmap::distance(&self.a, &self.b, pose, &Settings::default(), &mut self.cache)
     }
 
     /// The answers of `query` for many poses, each as if it were the first.
     fn batch<A: Default, T: JsCast>(
         &mut self,
         poses: &[f64],
-        query: impl Fn(&mut Self, Pose) -> Option<A>,
+        query: impl Fn(&mut Self, Pose) -> A,
         fields: impl Fn(&A) -> Fields,
     ) -> Result<T, JsError> {
         let (rows, rest) = poses.as_chunks::<7>();
@@ -286,24 +203,24 @@ impl QueryPair {
         for (index, row) in rows.iter().enumerate() {
             self.forget();
             let pose = read_pose(row).map_err(|fault| error(format!("pose {index}: {fault}")))?;
-            columns.push(&fields(&query(self, pose).ok_or_else(no_query)?));
+            columns.push(&fields(&query(self, pose)));
         }
         self.forget();
         Ok(columns.done())
     }
 }
 
-fn intersection_fields((found, parts): &Found<Intersection>) -> Fields {
+fn intersection_fields(found: &Intersection) -> Fields {
     vec![
         ("hit", Field::Flag(found.is_hit())),
         ("status", Field::Word(found.status.as_str())),
         ("iterations", Field::Count(found.iterations)),
         ("supportCalls", Field::Count(found.support_calls)),
-        ("parts", Field::Parts(*parts)),
+        ("parts", Field::Parts(found.parts)),
     ]
 }
 
-fn contact_fields((found, parts): &Found<Contact>) -> Fields {
+fn contact_fields(found: &Contact) -> Fields {
     vec![
         ("hit", Field::Flag(found.hit)),
         ("status", Field::Word(found.status.as_str())),
@@ -315,11 +232,11 @@ fn contact_fields((found, parts): &Found<Contact>) -> Fields {
         ("pointB", Field::Vector(found.point_b)),
         ("iterations", Field::Count(found.iterations)),
         ("supportCalls", Field::Count(found.support_calls)),
-        ("parts", Field::Parts(*parts)),
+        ("parts", Field::Parts(found.parts)),
     ]
 }
 
-fn distance_fields((found, parts): &Found<Distance>) -> Fields {
+fn distance_fields(found: &Distance) -> Fields {
     vec![
         ("status", Field::Word(found.status.as_str())),
         ("distance", Field::Number(found.distance)),
@@ -330,24 +247,8 @@ fn distance_fields((found, parts): &Found<Distance>) -> Fields {
         ("pointB", Field::Vector(found.point_b)),
         ("iterations", Field::Count(found.iterations)),
         ("supportCalls", Field::Count(found.support_calls)),
-        ("parts", Field::Parts(*parts)),
+        ("parts", Field::Parts(found.parts)),
     ]
-}
-
-pub(crate) fn of_compound<T>(found: CompoundAnswer<T>) -> Found<T> {
-    (found.answer, found.hulls)
-}
-
-/// Packs that are separated have no single separating plane, and no points.
-fn separated() -> Found<Contact> {
-    let nothing = DVec3::NAN;
-    let contact = Contact { hit: false, status: Status::Separated, depth_upper: 0.0, ..Contact::default() };
-    (Contact { normal: nothing, point_a: nothing, point_b: nothing, ..contact }, [0, 0])
-}
-
-/// The constructor rejects such pairs.
-pub(crate) fn no_query() -> JsError {
-    error("these bodies have no query")
 }
 
 #[wasm_bindgen(js_class = Pair)]
@@ -356,33 +257,20 @@ impl QueryPair {
     /// usable.
     ///
     /// # Errors
-    /// A body is not a hull, pack, shape or level, or B is a half-space or a level.
+    /// A body is not a hull, pack, shape or level, or both are half-spaces.
     #[wasm_bindgen(constructor)]
     pub fn new(a: &Body, b: &Body) -> Result<QueryPair, JsError> {
-        let (a, b) = (Side::of_body("A", a)?, Side::of_body("B", b)?);
-        let kind = match b {
-            Side::HalfSpace(_) => Some(("a half-space", "Two half-spaces have")),
-            Side::Sheet(_) => Some(("a level", "A level and a half-space, and two levels, have")),
-            _ => None,
-        };
-        if let Some((kind, others)) = kind {
-            let remedy = "make it A, and pass the pose of the other body in its frame";
-            return Err(error(format!("B is {kind}: {remedy}. {others} no query")));
-        }
-        let is_compound = [&a, &b].into_iter().any(|side| matches!(side, Side::Compound(_) | Side::Sheet(_)));
-        Ok(Self { a, b, memory: Memory::new(is_compound) })
+        let (a, b) = (geometry_of("A", a)?, geometry_of("B", b)?);
+        a.check_pair(&b).map_err(error)?;
+        let has_parts = a.has_parts() || b.has_parts();
+        let cache = if has_parts { Cache::with_pairs(CACHES) } else { Cache::new() };
+        Ok(Self { a, b, cache, manifolds: CompoundManifolds::new(if has_parts { MANIFOLDS } else { 1 }) })
     }
 
     /// Forgets earlier queries. Answers then depend on the pose alone, to the last bit.
     pub fn forget(&mut self) {
-        let Memory { convex, compound, manifold_cache, manifold, manifolds } = &mut self.memory;
-        convex.clear();
-        compound.clear();
-        manifold_cache.clear();
-        manifold.clear();
-        if let Some(manifolds) = manifolds {
-            manifolds.clear();
-        }
+        self.cache.clear();
+        self.manifolds.clear();
     }
 
     /// Whether the bodies share a point: `separated`, `overlapping`, `touching` or `undecided`.
@@ -393,7 +281,7 @@ impl QueryPair {
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] pose: &[f64],
     ) -> Result<Overlap, JsError> {
-        let (found, _) = self.find_intersection(pose_of(pose)?).ok_or_else(no_query)?;
+        let found = self.find_intersection(pose_of(pose)?);
         Ok(word_of(found.status.as_str()).unchecked_into())
     }
 
@@ -405,7 +293,7 @@ impl QueryPair {
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] pose: &[f64],
     ) -> Result<ContactAnswer, JsError> {
-        Ok(Plain::from_fields(&contact_fields(&self.find_contact(pose_of(pose)?).ok_or_else(no_query)?)).done())
+        Ok(Plain::from_fields(&contact_fields(&self.find_contact(pose_of(pose)?))).done())
     }
 
     /// Distance, with its interval, normal and witness points.
@@ -416,7 +304,7 @@ impl QueryPair {
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] pose: &[f64],
     ) -> Result<DistanceAnswer, JsError> {
-        Ok(Plain::from_fields(&distance_fields(&self.find_distance(pose_of(pose)?).ok_or_else(no_query)?)).done())
+        Ok(Plain::from_fields(&distance_fields(&self.find_distance(pose_of(pose)?))).done())
     }
 
     /// Whether the bodies share a point, for many poses of seven numbers each. Each is answered as
@@ -461,12 +349,14 @@ impl QueryPair {
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] pose: &[f64],
     ) -> Result<ContactManifold, JsError> {
-        let (pose, settings) = (pose_of(pose)?, &ManifoldSettings::default());
-        let Memory { manifold, manifold_cache, manifolds, .. } = &mut self.memory;
-        let points = Array::new();
-        let put = |manifold: &Manifold, parts: [usize; 2]| {
+        let counts = self.manifolds.update(&self.a, &self.b, pose_of(pose)?, &ManifoldSettings::default());
+        let (mut normal, points) = (DVec3::NAN, Array::new());
+        for (parts, manifold) in self.manifolds.iter() {
+            if normal.is_nan() {
+                normal = manifold.normal();
+            }
             // One object each for all points of a pair.
-            let (normal, parts) = (vector_of(manifold.normal()), parts_of(parts));
+            let (own, parts) = (vector_of(manifold.normal()), parts_of(parts.map(|part| part as u32)));
             for point in manifold.points() {
                 let fields = [
                     ("pointA", Field::Vector(point.point_a)),
@@ -474,39 +364,11 @@ impl QueryPair {
                     ("depth", Field::Number(point.depth)),
                     ("status", Field::Word(manifold.status().as_str())),
                 ];
-                let plain = Plain::from_fields(&fields).with("normal", &normal).with("parts", &parts);
+                let plain = Plain::from_fields(&fields).with("normal", &own).with("parts", &parts);
                 points.push(&plain.done::<JsValue>());
             }
-        };
-        let (mut normal, mut dropped) = (DVec3::NAN, 0);
-        if let Some(manifolds) = manifolds {
-            let counts = match (&self.a, &self.b) {
-                (Side::HalfSpace(a), Side::Compound(b)) => {
-                    Some(manifolds.update_half_space(a, &Compound::new(b), pose, settings))
-                }
-                (a, b) => of_parts!(a, b, |a, b| manifolds.update(a, b, pose, settings)),
-            };
-            dropped = counts.ok_or_else(no_query)?.dropped;
-            for (parts, manifold) in manifolds.iter() {
-                if normal.is_nan() {
-                    normal = manifold.normal();
-                }
-                put(manifold, parts);
-            }
-        } else {
-            match (&self.a, &self.b) {
-                (Side::Hull(a), Side::Hull(b)) => manifold.update(a.hull(), b.hull(), pose, settings, manifold_cache),
-                (Side::HalfSpace(a), b) => {
-                    manifold.update_half_space(a, b.convex().ok_or_else(no_query)?, pose, settings)
-                }
-                (a, b) => match (a.convex(), b.convex()) {
-                    (Some(a), Some(b)) => manifold.update(a, b, pose, settings, manifold_cache),
-                    _ => return Err(no_query()),
-                },
-            };
-            normal = manifold.normal();
-            put(manifold, [0, 0]);
         }
+        let dropped = counts.dropped;
         let plain = Plain::from_fields(&[("normal", Field::Vector(normal)), ("dropped", Field::Count(dropped))]);
         Ok(plain.with("points", points).done())
     }

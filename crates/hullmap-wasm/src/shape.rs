@@ -1,13 +1,9 @@
 //! Shapes that can be queried: hulls, packs as the union of their hulls, primitives, half-spaces,
 //! levels; and rays against them.
 
-use std::rc::Rc;
-use std::sync::Arc;
-
-use hullmap::compound::{self, CompoundAnswer, SharedSheet};
 use hullmap::glam::DVec3;
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Segment, Sphere, Triangle};
-use hullmap::{CastSettings, Compound, Ray, RayHit, ShapeError, SharedHull};
+use hullmap::{CastSettings, Ray, RayHit, ShapeError, SharedGeometry};
 use wasm_bindgen::prelude::*;
 
 use crate::object::{Columns, Field, Fields, Plain, error, rows_of, vector_from};
@@ -71,72 +67,37 @@ extern "C" {
     fn shape_of(this: &Body) -> Result<Shape, JsValue>;
 }
 
-/// One side of a query.
-#[derive(Clone)]
-pub enum Side {
-    Hull(SharedHull),
-    Compound(Arc<hullmap::Pack>),
-    Convex(Rc<dyn hullmap::Shape>),
-    HalfSpace(HalfSpace),
-    Sheet(SharedSheet),
+/// The geometry of a body.
+///
+/// # Errors
+/// It is not a body.
+pub fn geometry_of(name: &str, body: &Body) -> Result<SharedGeometry, JsError> {
+    let wrong = |_| error(format!("{name}: expected a Hull, a Pack, a Shape or a Level that was not freed"));
+    body.shape_of().map(|shape| shape.0).map_err(wrong)
 }
 
-impl Side {
-    /// The kind of a body.
-    ///
-    /// # Errors
-    /// It is not a body.
-    pub fn of_body(name: &str, body: &Body) -> Result<Self, JsError> {
-        let wrong = |_| error(format!("{name}: expected a Hull, a Pack, a Shape or a Level that was not freed"));
-        body.shape_of().map(|shape| shape.0).map_err(wrong)
-    }
-
-    /// The shape as one convex body.
-    pub fn convex(&self) -> Option<&dyn hullmap::Shape> {
-        match self {
-            Self::Hull(hull) => Some(hull),
-            Self::Convex(shape) => Some(&**shape),
-            Self::Compound(_) | Self::HalfSpace(_) | Self::Sheet(_) => None,
-        }
-    }
-
-    /// Where a ray enters the shape.
-    fn ray(&self, ray: &Ray, settings: &CastSettings) -> Fields {
-        let (found, part) = match self {
-            Self::Hull(hull) => (hullmap::ray(hull, ray, settings), 0),
-            Self::Convex(shape) => (hullmap::ray(&**shape, ray, settings), 0),
-            Self::HalfSpace(half_space) => (half_space.ray(ray, settings), 0),
-            Self::Compound(pack) => of_parts(compound::ray(&Compound::new(pack), ray, settings)),
-            Self::Sheet(sheet) => of_parts(compound::ray(sheet, ray, settings)),
-        };
-        let RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls, .. } = found;
-        vec![
-            ("hit", Field::Flag(hit)),
-            ("status", Field::Word(status.as_str())),
-            ("t", Field::Number(t)),
-            ("tLower", Field::Number(t_lower)),
-            ("tUpper", Field::Number(t_upper)),
-            ("point", Field::Vector(point)),
-            ("normal", Field::Vector(normal)),
-            ("part", Field::Count(part as u32)),
-            ("iterations", Field::Count(iterations)),
-            ("supportCalls", Field::Count(support_calls)),
-        ]
-    }
-}
-
-/// The answer, and the part that is hit.
-fn of_parts(CompoundAnswer { answer, hulls: [part, _], .. }: CompoundAnswer<RayHit>) -> (RayHit, usize) {
-    (answer, part)
+fn fields(found: &RayHit) -> Fields {
+    vec![
+        ("hit", Field::Flag(found.hit)),
+        ("status", Field::Word(found.status.as_str())),
+        ("t", Field::Number(found.t)),
+        ("tLower", Field::Number(found.t_lower)),
+        ("tUpper", Field::Number(found.t_upper)),
+        ("point", Field::Vector(found.point)),
+        ("normal", Field::Vector(found.normal)),
+        ("part", Field::Count(found.part)),
+        ("iterations", Field::Count(found.iterations)),
+        ("supportCalls", Field::Count(found.support_calls)),
+    ]
 }
 
 /// A shape: a primitive, a half-space, a hull, or the union of all hulls of a pack.
 #[wasm_bindgen]
 #[derive(Clone)]
-pub struct Shape(pub(crate) Side);
+pub struct Shape(pub(crate) SharedGeometry);
 
-fn convex(made: Result<impl hullmap::Shape + 'static, ShapeError>) -> Result<Shape, JsError> {
-    made.map(|shape| Shape(Side::Convex(Rc::new(shape)))).map_err(error)
+fn convex(made: Result<impl hullmap::Shape + Send + Sync + 'static, ShapeError>) -> Result<Shape, JsError> {
+    made.map(|shape| Shape(SharedGeometry::from_shape(shape))).map_err(error)
 }
 
 #[wasm_bindgen]
@@ -208,7 +169,7 @@ impl Shape {
     }
 
     /// The half-space of all points p with `normal` · p ≤ `offset`, after `normal` is normalised.
-    /// In a pair it must be A.
+    /// Two of them have no query.
     ///
     /// # Errors
     /// The normal is zero or not finite, or the offset is NaN or too large.
@@ -217,7 +178,7 @@ impl Shape {
         #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] normal: &[f64],
         offset: f64,
     ) -> Result<Shape, JsError> {
-        HalfSpace::new(vector_from("normal", normal)?, offset).map(|made| Shape(Side::HalfSpace(made))).map_err(error)
+        HalfSpace::new(vector_from("normal", normal)?, offset).map(|made| Shape(made.into())).map_err(error)
     }
 
     /// The same shape again.
@@ -237,7 +198,7 @@ impl Shape {
         #[wasm_bindgen(js_name = maxT)] max_t: Option<f64>,
     ) -> Result<Hit, JsError> {
         let ray = Ray::new(vector_from("origin", origin)?, vector_from("direction", direction)?).map_err(error)?;
-        Ok(Plain::from_fields(&self.0.ray(&ray, &settings(max_t))).done())
+        Ok(Plain::from_fields(&fields(&hullmap::ray(&self.0, &ray, &settings(max_t)))).done())
     }
 
     /// Many rays, three numbers for each origin and direction. One origin or direction serves for
@@ -262,12 +223,13 @@ impl Shape {
         let (mut origins, mut directions) = (origins.iter().cycle(), directions.iter().cycle());
         // All answers have the same kinds of fields.
         let any = Ray::new(DVec3::ZERO, DVec3::ZERO).map_err(error)?;
-        let mut columns = Columns::like(&self.0.ray(&any, &settings));
+        let mut columns = Columns::like(&fields(&hullmap::ray(&self.0, &any, &settings)));
         for index in 0..count {
             // An endless iterator, unless the array is empty.
             let (Some(&origin), Some(&direction)) = (origins.next(), directions.next()) else { break };
             let ray = Ray::new(origin.into(), direction.into());
-            columns.push(&self.0.ray(&ray.map_err(|fault| error(format!("ray {index}: {fault}")))?, &settings));
+            let ray = ray.map_err(|fault| error(format!("ray {index}: {fault}")))?;
+            columns.push(&fields(&hullmap::ray(&self.0, &ray, &settings)));
         }
         Ok(columns.done())
     }

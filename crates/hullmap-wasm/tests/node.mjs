@@ -288,7 +288,8 @@ fails(() => Shape.box([1, 2]), "halfEdges: expected three numbers, found 2");
 
 fails(() => new Pair(cube, {}), "B: expected a Hull, a Pack, a Shape or a Level");
 fails(() => new Pair(cube), "B: expected a Hull, a Pack, a Shape or a Level");
-fails(() => new Pair(cube, ground), "B is a half-space: make it A");
+fails(() => new Pair(ground, ground), "two half-spaces have no query");
+near(new Pair(cube, ground).distance(at(0, 0, -1)).distance, new Pair(ground, cube).distance(at(0, 0, 1)).distance);
 fails(() => stacked.contacts(new Float64Array(6)), "poses must have seven numbers each");
 fails(() => stacked.contacts([...at(0, 0, 0), ...at(NaN, 0, 0)]), "pose 1: ");
 fails(() => cube.shape().rays([0, 0, 0, 1, 1, 1], Array(9).fill(1)), "2 origins do not fit 3 directions");

@@ -3,8 +3,9 @@
 //!
 //! The command `bake` turns meshes into packs offline. This crate opens packs and answers queries:
 //! support points, overlap, distance, contact, rays, shape casts and contact manifolds. Answers are
-//! certified intervals in double precision. After a pack is open, no query allocates, locks, or
-//! performs I/O.
+//! certified intervals in double precision. After a pack is open, no query locks or performs I/O,
+//! and none allocates, except the first query of parts with a [`Cache`] that is not
+//! [prepared](Cache::with_pairs) for it.
 //!
 //! # Open a pack and query a support point
 //!
@@ -31,10 +32,10 @@
 //!
 //! # Overlap, distance and contact
 //!
-//! [`intersects`], [`distance`] and [`contact`] take two shapes and a [`Pose`] `b_in_a`, which maps
-//! B's frame into A's. A hull is a shape, so are the primitives in [`shapes`], and so is every type
-//! that implements [`SupportMap`]. All results are in A's frame. The [`Cache`] of a pair makes the
-//! next query cheaper.
+//! [`intersects`], [`distance`] and [`contact`] take any two [geometries](geometry): hulls,
+//! primitives, support mappings of your own, packs of several hulls, triangle meshes, height
+//! fields, half-spaces. A [`Pose`] `b_in_a` maps B's frame into A's, and all results are in A's
+//! frame. The [`Cache`] of a pair makes the next query cheaper.
 //!
 //! ```
 //! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
@@ -194,11 +195,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Concave meshes: compounds
+//! # Concave meshes and levels
 //!
-//! `bake build --decompose` bakes a concave mesh as several convex parts. A [`Compound`] is their
-//! union, and the functions in [`compound`] query two compounds, or a compound and any shape.
-//! [`CompoundManifolds`] keeps a manifold for each pair of parts that touch.
+//! `bake build --decompose` bakes a concave mesh as several convex parts. The [`Pack`] is their
+//! union. A level keeps its triangles: see [`TriangleMesh`] and [`HeightField`]. All queries take
+//! them, and the answer names the hull or the triangle that decided it. [`CompoundManifolds`] keeps
+//! a manifold for each pair of parts that touch.
 //!
 //! ```
 //! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
@@ -206,16 +208,14 @@
 //! # let _folder = folder_of_packs()?;
 //! use hullmap::glam::DVec3;
 //! use hullmap::shapes::Sphere;
-//! use hullmap::{Compound, CompoundCache, Pack, Pose, Settings, compound};
+//! use hullmap::{Cache, Pack, Pose, Settings};
 //!
-//! let pack = Pack::open("parts/two_objects.hullmap")?;
 //! // A cube at x from -3 to -1, and an octahedron from 1 to 3, with room for a ball between them.
-//! let (both, ball) = (Compound::new(&pack), Sphere::new(0.5)?);
+//! let (both, ball) = (Pack::open("parts/two_objects.hullmap")?, Sphere::new(0.5)?);
 //! let between = Pose::from_translation(DVec3::new(0.25, 0.0, 0.0))?;
-//! let mut cache = CompoundCache::default();
-//! let gap = compound::distance(&both, &ball, between, &Settings::default(), &mut cache);
-//! assert!((gap.answer.distance - 0.25).abs() < 1e-9);
-//! assert_eq!(gap.hulls, [1, 0]); // the octahedron
+//! let gap = hullmap::distance(&both, &ball, between, &Settings::default(), &mut Cache::new());
+//! assert!((gap.distance - 0.25).abs() < 1e-9);
+//! assert_eq!(gap.parts, [1, 0]); // the octahedron
 //! # Ok(())
 //! # }
 //! ```
@@ -230,9 +230,9 @@
 //!
 //! - [`Pack`]: the constructors, and when to map a file instead of copying it
 //! - [`Hull`]: vertices, faces, neighbours and everything else that a pack records about a hull
+//! - [`Geometry`]: what can be queried; [`SharedGeometry`]: any of it as one type, without lifetime
 //! - [`shapes`]: primitives, scaled and rounded shapes; [`SupportMap`]: a shape of your own
 //! - [`SupportMap::bounds_under`]: the box of a shape for a broad phase
-//! - [`cascade`]: overlap tests in stages, for broad sweeps over many hulls
 //! - [`Settings`]: tolerance and iteration limit; [`Instructions`]: SIMD selection
 //! - [`solver`]: how queries work
 //!
@@ -243,12 +243,13 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]
 
 pub mod batch;
-pub mod cascade;
+mod cascade;
 pub mod compound;
 mod continuous;
 mod derivatives;
 mod facets;
 mod file;
+pub mod geometry;
 pub mod height_field;
 mod hull;
 #[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
@@ -256,6 +257,7 @@ pub mod manifold;
 mod pack;
 mod polygon;
 pub mod pose;
+mod query;
 mod ray_box;
 pub mod shapes;
 #[allow(clippy::indexing_slicing, reason = "the indexed arrays are its own, of fixed length")]
@@ -264,13 +266,12 @@ mod support;
 pub mod triangle_mesh;
 mod vector;
 
-pub use compound::{Compound, CompoundCache, CompoundManifolds};
-pub use continuous::cast_motion::cast_motion;
-pub use continuous::clear::clear;
+pub use compound::{Compound, CompoundManifolds};
 pub use continuous::{ClearSettings, Clearance, MotionSettings, RigidMotion, TimeOfImpact, Verdict};
 pub use derivatives::{Derivatives, Differentiability, PoseDerivative, WitnessDerivatives, WitnessJacobian};
 #[doc(hidden)]
 pub use facets::Facets;
+pub use geometry::{Geometry, SharedGeometry};
 pub use glam;
 pub use height_field::HeightField;
 pub use hull::{Hull, HullArrays, MassProperties, MassSource, Replacement, SharedHull, SupportVertex, Voids};
@@ -281,11 +282,8 @@ pub use hullmap_format::{
 pub use manifold::{Manifold, ManifoldSettings, Prediction};
 pub use pack::{InvalidPack, NoHullNamed, NoSuchHull, OpenError, Pack};
 pub use pose::{Pose, PoseError};
+pub use query::{cast, cast_motion, clear, contact, contacts, distance, intersects, ray, signed_distance};
 pub use shapes::{Corner, Feature, Shape, ShapeError};
-pub use solver::cast::cast;
-pub use solver::queries::{contact, distance, intersects};
-pub use solver::ray::ray;
-pub use solver::signed_distance::signed_distance;
 pub use solver::{
     Cache, CastSettings, Contact, Distance, Impact, Intersection, Minkowski, Motion, Overlap, Ray, RayHit, Scratch,
     Settings, SignedDistance, Status, VectorError, Vertex,

@@ -2,16 +2,17 @@
 
 use glam::{DQuat, DVec3};
 use hullmap::batch::{self, Pair};
-use hullmap::cascade::{self, Stages};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere};
-use hullmap::{Cache, Hull, Manifold, ManifoldSettings, Pack, Pose, Settings, Shape, contact, distance, intersects};
+use hullmap::{
+    Cache, Compound, Hull, Manifold, ManifoldSettings, Pack, Pose, Settings, Shape, contact, distance, intersects,
+};
 use shapes::rng::SplitMix64;
 
 use crate::bits::Bits;
 
 /// Kinds of answers, as the golden file names them.
 pub const KINDS: [&str; 8] =
-    ["support", "support_from", "intersects", "contact", "distance", "cascade", "manifold", "batch"];
+    ["support", "support_from", "intersects", "contact", "distance", "parts", "manifold", "batch"];
 
 /// Number of answers of each kind in one chunk.
 pub const PER_CHUNK: usize = 200;
@@ -27,7 +28,7 @@ pub fn chunk(packs: &[Pack], index: u64, per_kind: usize) -> [u64; KINDS.len()] 
     let hulls: Vec<Hull<'_>> = packs.iter().flat_map(Pack::hulls).collect();
     let shapes = shapes(&hulls);
     let mut bits: [Bits; KINDS.len()] = Default::default();
-    let [support, support_from, yes, deep, near, cascade_bits, held, batched] = &mut bits;
+    let [support, support_from, yes, deep, near, parts, held, batched] = &mut bits;
     for _ in 0..per_kind {
         let hull = &hulls[rng.below(hulls.len())];
         let dir = DVec3::from_array(rng.direction()).as_vec3();
@@ -56,8 +57,7 @@ pub fn chunk(packs: &[Pack], index: u64, per_kind: usize) -> [u64; KINDS.len()] 
                 deep.contact(&contact(any_a, any_b, b_in_a, &settings, &mut caches[1]));
                 near.distance(&distance(any_a, any_b, b_in_a, &settings, &mut caches[2]));
             }
-            cascade_bits
-                .intersection(&cascade::intersects(a, b, b_in_a, Stages::default(), &mut caches[3]).intersection);
+            parts.intersection(&intersects(&Compound::from(*a), &Compound::from(*b), b_in_a, &mut caches[3]));
         }
         let mut manifold = Manifold::new();
         for b_in_a in [b_in_a, moved] {

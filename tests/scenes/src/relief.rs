@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use hullmap::glam::{DMat4, DVec3, DVec4};
 use hullmap::height_field::Diagonal;
-use hullmap::{CastSettings, CompoundCache, Ray, Settings, compound};
+use hullmap::{Cache, CastSettings, Ray, Settings};
 use hullmap_parry::{BakedSurface, Sheet, SurfaceTile};
 use hullmap_random::SplitMix64;
 use rapier3d::parry::query::RayCast as _;
@@ -67,7 +67,7 @@ impl Relief {
         let angle = |i: usize| (i as f64 / cells as f64 - 0.5) * 80_f64.to_radians();
         let distance = |column: usize, row: usize| {
             let dir = DVec3::new(angle(column).tan(), angle(row).tan(), 1.0).normalize();
-            let hit = compound::ray(&**mesh, &Ray::new(center, dir).expect("a ray"), &CastSettings::default()).answer;
+            let hit = hullmap::ray(&**mesh, &Ray::new(center, dir).expect("a ray"), &CastSettings::default());
             assert!(hit.hit, "{}: a ray from the centre misses the mesh", path.display());
             hit.t
         };
@@ -106,16 +106,12 @@ impl Relief {
     /// Depth of the body at `pose` in the deepest triangle.
     pub fn depth(&self, model: &Model, pose: &Pose) -> f32 {
         let body = hullmap::Pose::from_f32(pose.translation, pose.rotation).expect("a finite pose");
-        let (settings, mut cache) = (Settings::default(), CompoundCache::new(1));
+        let (settings, mut cache) = (Settings::default(), Cache::with_pairs(1));
         let mut deepest = 0.0_f64;
         for tile in self.surface.tiles() {
             let in_tile = hullmap::Pose::relative(tile.place(), body).expect("a pose in range");
             for part in &model.parts {
-                let found = match tile.sheet() {
-                    Sheet::Mesh(mesh) => compound::contact(&**mesh, part.hull(), in_tile, &settings, &mut cache),
-                    Sheet::Field(field) => compound::contact(&**field, part.hull(), in_tile, &settings, &mut cache),
-                };
-                deepest = deepest.max(found.map_or(0.0, |found| found.answer.depth));
+                deepest = deepest.max(hullmap::contact(tile, part.hull(), in_tile, &settings, &mut cache).depth);
             }
         }
         deepest as f32

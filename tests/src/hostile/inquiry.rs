@@ -3,11 +3,9 @@
 use std::hint::black_box;
 
 use glam::{DQuat, DVec3, Vec3};
-use hullmap::cascade::{self, OuterHulls, Stages};
 use hullmap::{
-    Cache, CastSettings, Compound, CompoundCache, CompoundManifolds, Feature, Hull, Instructions, Manifold,
-    ManifoldSettings, Motion, Pack, Pose, Ray, Settings, Shape, SupportMap, cast, compound, contact, distance,
-    intersects, ray, signed_distance,
+    Cache, CastSettings, Compound, CompoundManifolds, Feature, Hull, Instructions, Manifold, ManifoldSettings, Motion,
+    Pack, Pose, Ray, Settings, Shape, SupportMap, cast, contact, distance, intersects, ray, signed_distance,
 };
 use hullmap_bake::IndexKind;
 use hullmap_testkit::packs;
@@ -18,7 +16,7 @@ use crate::directions;
 /// cost, feature and face.
 const MORE_INTERVAL: usize = 16;
 
-/// One pair out of this many is also queried through the cascade and for its manifold.
+/// One pair out of this many is also queried as two packs and for its manifold.
 const MANIFOLD_INTERVAL: usize = 4;
 
 /// Maximum number of support calls of a query of two hulls, as docs/contributors/FORMAT.md states
@@ -117,14 +115,14 @@ impl Inquiry {
     /// Queries all hulls together, through the BVH.
     fn query_whole(&self, pack: &Pack) {
         let (whole, other) = (Compound::new(pack), Compound::new(&self.cube));
-        let (mut cache, mut manifolds) = (CompoundCache::new(2), CompoundManifolds::new(2));
+        let (mut cache, mut manifolds) = (Cache::with_pairs(2), CompoundManifolds::new(2));
         for (index, &pose) in self.poses.iter().take(self.extent.pairs).enumerate() {
             for (a, b) in [(&whole, &other), (&other, &whole), (&whole, &whole)] {
-                black_box(compound::intersects(a, b, pose, &mut cache));
-                black_box(compound::distance(a, b, pose, &Settings::default(), &mut cache));
-                let deepest = compound::contact(a, b, pose, &Settings::default(), &mut cache);
-                let is_there =
-                    deepest.is_none_or(|found| a.hull(found.hulls[0]).is_some() && b.hull(found.hulls[1]).is_some());
+                black_box(hullmap::intersects(a, b, pose, &mut cache));
+                black_box(hullmap::distance(a, b, pose, &Settings::default(), &mut cache));
+                let deepest = hullmap::contact(a, b, pose, &Settings::default(), &mut cache);
+                let [of_a, of_b] = deepest.parts.map(|part| part as usize);
+                let is_there = !deepest.hit || a.hull(of_a).is_some() && b.hull(of_b).is_some();
                 self.require(is_there, || "a contact refers to a hull that does not exist".to_owned());
                 self.query_whole_moving(a, b, pose, &mut cache);
                 if index.is_multiple_of(MANIFOLD_INTERVAL) {
@@ -203,14 +201,14 @@ impl Inquiry {
     }
 
     /// Rays, shape casts and points from the place of B.
-    fn query_whole_moving(&self, a: &Compound, b: &Compound, b_in_a: Pose, cache: &mut CompoundCache) {
+    fn query_whole_moving(&self, a: &Compound, b: &Compound, b_in_a: Pose, cache: &mut Cache) {
         let (settings, from) = (CastSettings::default(), b_in_a.translation() * 3.0);
-        let near = compound::signed_distance(a, from, &Settings::default(), cache).expect("the point is finite");
-        let is_there = a.hull_count() == 0 || a.hull(near.hulls[0]).is_some();
+        let near = hullmap::signed_distance(a, from, &Settings::default(), cache).expect("the point is finite");
+        let is_there = a.hull_count() == 0 || a.hull(near.part as usize).is_some();
         self.require(is_there, || "a signed distance refers to a hull that does not exist".to_owned());
         if let (Ok(towards), Ok(motion)) = (Ray::new(from, -from), Motion::new(-from)) {
-            black_box(compound::ray(a, &towards, &settings));
-            black_box(compound::cast(a, b, b_in_a, motion, &settings, cache));
+            black_box(hullmap::ray(a, &towards, &settings));
+            black_box(hullmap::cast(a, b, b_in_a, motion, &settings, cache));
         }
     }
     fn query_pair(&self, a: &Hull, b: &Hull, b_in_a: Pose, index: usize, cache: &mut Cache) {
@@ -225,8 +223,8 @@ impl Inquiry {
             let mut manifold = Manifold::new();
             manifold.update(a, b, b_in_a, &ManifoldSettings::default(), cache);
             self.require(manifold.points().len() <= 4, || "a manifold of more than four points".to_owned());
-            let stages = Stages { boxes: true, outer: OuterHulls::Always };
-            black_box(cascade::intersects(a, b, b_in_a, stages, &mut Cache::new()));
+            let parts = (Compound::from(*a), Compound::from(*b));
+            black_box(intersects(&parts.0, &parts.1, b_in_a, &mut Cache::with_pairs(1)));
         }
     }
     /// Rays, shape casts and points from the place of B towards A.

@@ -17,8 +17,8 @@ use std::{
 
 use glam::{DVec3, Vec3};
 use hullmap::{
-    Cache, CastSettings, Compound, CompoundCache, Feature, Hull, Manifold, ManifoldSettings, Motion, Pack, Pose, Ray,
-    Settings, Shape, SupportMap, cast, compound, contact, distance, intersects, ray, signed_distance,
+    Cache, CastSettings, Compound, Feature, Hull, Manifold, ManifoldSettings, Motion, Pack, Pose, Ray, Settings, Shape,
+    SupportMap, cast, contact, distance, intersects, ray, signed_distance,
 };
 use hullmap_bake::{
     BakedHull, IndexKind, PointSet, SourceRecord, bake_hull,
@@ -133,10 +133,10 @@ pub fn slowest(pack: &Pack) -> Slowest {
     let settings = Settings::default();
     for pose in [DVec3::ZERO, DVec3::new(0.3, 0.2, 0.1), DVec3::splat(1e4)] {
         let pose = Pose::from_translation(pose).expect("finite");
-        let mut cache = CompoundCache::new(2);
-        clock.time("compound intersects", || compound::intersects(&whole, &other, pose, &mut cache));
-        clock.time("compound distance", || compound::distance(&whole, &other, pose, &settings, &mut cache));
-        clock.time("compound contact", || compound::contact(&whole, &other, pose, &settings, &mut cache));
+        let mut cache = Cache::with_pairs(2);
+        clock.time("compound intersects", || hullmap::intersects(&whole, &other, pose, &mut cache));
+        clock.time("compound distance", || hullmap::distance(&whole, &other, pose, &settings, &mut cache));
+        clock.time("compound contact", || hullmap::contact(&whole, &other, pose, &settings, &mut cache));
     }
     clock.slowest
 }

@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use hullmap::compound::{self, BodyManifold, OneSided, SharedSheet};
 use hullmap::shapes::{Cuboid, HalfSpace, Sphere};
 use hullmap::{
-    CastSettings, CompoundCache, CompoundManifolds, HeightField, ManifoldSettings, Motion, MotionSettings, Pose, Ray,
+    Cache, CastSettings, CompoundManifolds, HeightField, ManifoldSettings, Motion, MotionSettings, Pose, Ray,
     RigidMotion, Settings, TriangleMesh,
 };
 
@@ -62,10 +62,10 @@ impl SheetInquiry {
             assert!(mesh.edge_classes(triangle).is_some(), "an edge of triangle {triangle} has no class");
             black_box((mesh.normal(triangle), mesh.material(triangle), mesh.source_triangle(triangle)));
         }
-        let mut cache = CompoundCache::default();
+        let mut cache = Cache::new();
         for point in self.poses(&[low.as_dvec3(), high.as_dvec3()]).map(|pose| pose.translation()) {
             if let Ok(found) = compound::surface_distance(&mesh, point, &Settings::default(), &mut cache) {
-                assert!(found.hulls[0] < triangles && found.answer.distance.is_finite(), "{found:?}");
+                assert!((found.part as usize) < triangles && found.distance.is_finite(), "{found:?}");
             }
         }
         self.run(&SharedSheet::Mesh(Arc::new(mesh)), [low, high].map(|corner| corner.as_dvec3()));
@@ -118,7 +118,7 @@ impl SheetInquiry {
     fn run(&self, sheet: &SharedSheet, bounds: [DVec3; 2]) {
         let extent = (bounds[1] - bounds[0]).max_element();
         let (mut cache, mut manifolds, mut body) =
-            (CompoundCache::new(2), CompoundManifolds::new(4), BodyManifold::new(8));
+            (Cache::with_pairs(2), CompoundManifolds::new(4), BodyManifold::new(8));
         for (index, pose) in self.poses(&bounds).enumerate() {
             // The least and the greatest size that shapes accept are in reach of hostile bounds.
             let size = extent * [0.1, 0.01, 0.5, 1e-6][index % 4];
@@ -133,30 +133,29 @@ impl SheetInquiry {
                 self.query_moving(sheet, &die, pose, &mut cache);
             }
             if index.is_multiple_of(4) && sheet.triangle_count() <= MAX_AGAINST_ITSELF {
-                black_box(compound::intersects(sheet, sheet, pose, &mut cache));
+                black_box(hullmap::intersects(sheet, sheet, pose, &mut cache));
             }
             if let Ok(plane) = HalfSpace::new(DVec3::new(0.3, -0.2, 1.0), size) {
-                black_box(compound::half_space::distance(&plane, sheet, pose));
+                black_box(hullmap::distance(&plane, sheet, pose, &Settings::default(), &mut cache));
             }
         }
     }
 
-    fn query_pair(&self, sheet: &SharedSheet, other: &impl hullmap::Shape, pose: Pose, cache: &mut CompoundCache) {
+    fn query_pair(&self, sheet: &SharedSheet, other: &impl hullmap::Shape, pose: Pose, cache: &mut Cache) {
         let (settings, count) = (Settings::default(), sheet.triangle_count());
-        let hit = compound::intersects(sheet, other, pose, cache);
-        let gap = compound::distance(sheet, other, pose, &settings, cache);
-        assert!(hit.hulls[0] < count && gap.hulls[0] < count, "{hit:?}, {gap:?}");
-        assert!(hit.pairs as usize <= count && gap.pairs as usize <= count + 1, "a triangle is queried twice");
-        if let Some(deepest) = compound::contact(sheet, other, pose, &settings, cache) {
-            assert!(sheet.triangle(deepest.hulls[0]).is_some() && !deepest.answer.depth.is_nan(), "{deepest:?}");
-        }
+        let hit = hullmap::intersects(sheet, other, pose, cache);
+        let gap = hullmap::distance(sheet, other, pose, &settings, cache);
+        assert!([hit.parts[0], gap.parts[0]].iter().all(|triangle| (*triangle as usize) < count), "{hit:?}, {gap:?}");
+        let deepest = hullmap::contact(sheet, other, pose, &settings, cache);
+        let is_there = !deepest.hit || sheet.triangle(deepest.parts[0] as usize).is_some();
+        assert!(is_there && !deepest.depth.is_nan(), "{deepest:?}");
         let mut seen = 0;
-        compound::contacts(sheet, other, pose, &settings, cache, |[triangle, _], _| {
+        hullmap::contacts(sheet, other, pose, &settings, cache, |found| {
             seen += 1;
-            assert!(sheet.triangle(triangle).is_some(), "triangle {triangle} does not exist");
+            assert!(sheet.triangle(found.parts[0] as usize).is_some(), "{found:?}: there is no such triangle");
         });
         assert!(seen <= count, "a triangle is visited twice");
-        black_box(compound::contact(&OneSided::new(sheet), other, pose, &settings, cache));
+        black_box(hullmap::contact(&OneSided::new(sheet), other, pose, &settings, cache));
     }
 
     /// Rays from the place of the body: down, along both axes, slanting, and through the origin.
@@ -175,23 +174,22 @@ impl SheetInquiry {
             let Ok(ray) = Ray::new(from, direction) else { continue };
             for max_t in [f64::INFINITY, 1.0] {
                 let settings = CastSettings { max_t, ..CastSettings::default() };
-                let found = compound::ray(sheet, &ray, &settings);
-                assert!(found.pairs as usize <= sheet.triangle_count(), "a triangle is queried twice");
-                assert!(!found.answer.hit || sheet.triangle(found.hulls[0]).is_some(), "{found:?}");
-                black_box(compound::ray(&OneSided::new(sheet), &ray, &settings));
+                let found = hullmap::ray(sheet, &ray, &settings);
+                assert!(!found.hit || sheet.triangle(found.part as usize).is_some(), "{found:?}");
+                black_box(hullmap::ray(&OneSided::new(sheet), &ray, &settings));
             }
         }
     }
 
-    fn query_moving(&self, sheet: &SharedSheet, other: &impl hullmap::Shape, pose: Pose, cache: &mut CompoundCache) {
+    fn query_moving(&self, sheet: &SharedSheet, other: &impl hullmap::Shape, pose: Pose, cache: &mut Cache) {
         let way = DVec3::new(0.3, -0.2, -1.0) * pose.translation().length().max(1.0);
         if let Ok(motion) = Motion::new(way) {
-            let impact = compound::cast(sheet, other, pose, motion, &CastSettings::default(), cache);
-            assert!(!impact.answer.hit || sheet.triangle(impact.hulls[0]).is_some(), "{impact:?}");
+            let impact = hullmap::cast(sheet, other, pose, motion, &CastSettings::default(), cache);
+            assert!(!impact.hit || sheet.triangle(impact.parts[0] as usize).is_some(), "{impact:?}");
         }
         let still = RigidMotion::still(Pose::IDENTITY);
         if let Ok(moving) = RigidMotion::screw(pose, way, DVec3::new(0.2, 0.1, 0.3), pose.translation()) {
-            black_box(compound::cast_motion(sheet, &still, other, &moving, &MotionSettings::default(), cache));
+            black_box(hullmap::cast_motion(sheet, &still, other, &moving, &MotionSettings::default(), cache));
         }
     }
 }

@@ -2,12 +2,10 @@
 //! ray must not reach the surface behind.
 
 use glam::DVec3;
-use hullmap::compound::{self, CompoundAnswer, OneSided};
+use hullmap::compound::OneSided;
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap::shapes::Sphere;
-use hullmap::{
-    CastSettings, Compound, CompoundCache, HeightField, Motion, Pack, Pose, Ray, RayHit, Status, TriangleMesh,
-};
+use hullmap::{Cache, CastSettings, HeightField, Motion, Pack, Pose, Ray, RayHit, Status, TriangleMesh};
 use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_bake::{IndexKind, SourceRecord};
@@ -248,21 +246,21 @@ impl Joints {
     /// The answers of all surfaces to a ray.
     fn answers(&self, ray: &Ray, settings: &CastSettings, is_one_sided: bool) -> Vec<Vec<RayHit>> {
         let of_mesh = self.mesh.as_ref().map(|mesh| match is_one_sided {
-            true => compound::ray(&OneSided::new(mesh), ray, settings),
-            false => compound::ray(mesh, ray, settings),
+            true => hullmap::ray(&OneSided::new(mesh), ray, settings),
+            false => hullmap::ray(mesh, ray, settings),
         });
         let of_field = self.field.as_ref().map(|field| match is_one_sided {
-            true => compound::ray(&OneSided::new(field), ray, settings),
-            false => compound::ray(field, ray, settings),
+            true => hullmap::ray(&OneSided::new(field), ray, settings),
+            false => hullmap::ray(field, ray, settings),
         });
-        let of_pack = self.pack.as_ref().map(|pack| compound::ray(&Compound::new(pack), ray, settings));
-        vec![[of_mesh, of_field, of_pack].into_iter().flatten().map(|found| found.answer).collect()]
+        let of_pack = self.pack.as_ref().map(|pack| hullmap::ray(pack, ray, settings));
+        vec![[of_mesh, of_field, of_pack].into_iter().flatten().collect()]
     }
 
     /// The answers of all surfaces to a point that moves along a ray, and of those to surfaces that
     /// move against it.
     fn casts(&self, ray: &Ray, settings: &CastSettings) -> Vec<Vec<RayHit>> {
-        let (dot, cache) = (Sphere::new(0.0).expect("a point"), &mut CompoundCache::default());
+        let (dot, cache) = (Sphere::new(0.0).expect("a point"), &mut Cache::new());
         let (Ok(start), Ok(motion)) = (Pose::from_translation(ray.origin()), Motion::new(ray.direction())) else {
             return Vec::new();
         };
@@ -271,20 +269,20 @@ impl Joints {
         };
         let (mut to, mut from) = (Vec::new(), Vec::new());
         if let Some(mesh) = &self.mesh {
-            to.push(compound::cast(mesh, &dot, start, motion, settings, cache));
-            from.push(compound::cast(&dot, mesh, back, against, settings, cache));
+            to.push(hullmap::cast(mesh, &dot, start, motion, settings, cache));
+            from.push(hullmap::cast(&dot, mesh, back, against, settings, cache));
         }
         if let Some(field) = &self.field {
-            to.push(compound::cast(field, &dot, start, motion, settings, cache));
-            from.push(compound::cast(&dot, field, back, against, settings, cache));
+            to.push(hullmap::cast(field, &dot, start, motion, settings, cache));
+            from.push(hullmap::cast(&dot, field, back, against, settings, cache));
         }
         if let Some(pack) = &self.pack {
-            to.push(compound::cast(&Compound::new(pack), &dot, start, motion, settings, cache));
-            from.push(compound::cast(&dot, &Compound::new(pack), back, against, settings, cache));
+            to.push(hullmap::cast(pack, &dot, start, motion, settings, cache));
+            from.push(hullmap::cast(&dot, pack, back, against, settings, cache));
         }
-        let as_ray = |CompoundAnswer { answer, .. }: CompoundAnswer<hullmap::Impact>| {
-            let hullmap::Impact { hit, status, t, t_lower, t_upper, normal, point_a: point, .. } = answer;
-            RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations: 0, support_calls: 0 }
+        let as_ray = |found: hullmap::Impact| {
+            let hullmap::Impact { hit, status, t, t_lower, t_upper, normal, point_a: point, .. } = found;
+            RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations: 0, support_calls: 0, part: 0 }
         };
         [to, from].map(|found| found.into_iter().map(as_ray).collect()).into()
     }

@@ -12,6 +12,7 @@
 //! plane of a triangle.
 
 use glam::{DQuat, DVec3};
+use hullmap::Geometry;
 use hullmap::compound::{Joined, Parts, Tile, seams};
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap::manifold::{FeatureId, Manifold};
@@ -103,7 +104,7 @@ enum Way {
     Joined,
 }
 
-impl<S: Parts> AnySheet for S {
+impl<S: Geometry + Parts> AnySheet for S {
     fn update(&self, found: &mut CompoundManifolds, body: &Body, pose: Pose, way: Way, settings: &ManifoldSettings) {
         let union = seams::union_of(self);
         let tiles = [Tile { union: &union, parts: self.part_count(), place: Pose::IDENTITY }; 2];

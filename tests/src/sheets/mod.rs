@@ -22,8 +22,8 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use glam::DVec3;
-use hullmap::compound::{self, surface_distance};
-use hullmap::{CastSettings, CompoundCache, Contact, Motion, Overlap, Ray, Settings};
+use hullmap::compound::surface_distance;
+use hullmap::{Cache, CastSettings, Contact, Motion, Overlap, Ray, Settings};
 use hullmap_testkit::depth::signed_depth_by_points;
 use hullmap_testkit::gap::distance_by_features;
 use hullmap_testkit::triangles::{distance_from_triangle, winding};
@@ -138,7 +138,7 @@ impl Judge<'_> {
             None if deepest < -slack => "apart",
             None => "unsure",
         };
-        let hit = compound::intersects(&scene.mesh, &hull, body.pose, &mut CompoundCache::default()).answer;
+        let hit = hullmap::intersects(&scene.mesh, &hull, body.pose, &mut Cache::new());
         self.count("intersects", truth);
         let is_near = deepest.abs() <= 1e3 * slack;
         self.check(
@@ -164,7 +164,7 @@ impl Judge<'_> {
 
     fn distance(&mut self, body: &Body, truth: &'static str, settings: &Settings) {
         let (scene, hull) = (self.scene, body.pack.hull(0).expect("one hull"));
-        let found = compound::distance(&scene.mesh, &hull, body.pose, settings, &mut CompoundCache::default()).answer;
+        let found = hullmap::distance(&scene.mesh, &hull, body.pose, settings, &mut Cache::new());
         self.count("distance", truth);
         if truth != "apart" {
             self.check(found.lower <= scene.slack, || format!("distance: {found:?}, {truth}"));
@@ -182,8 +182,8 @@ impl Judge<'_> {
         let (scene, hull) = (self.scene, body.pack.hull(0).expect("one hull"));
         let mut seen: Vec<Option<Contact>> = vec![None; depths.len()];
         let mut is_twice = false;
-        let visit = |pair: [usize; 2], contact: &Contact| is_twice |= seen[pair[0]].replace(*contact).is_some();
-        compound::contacts(&scene.mesh, &hull, body.pose, settings, &mut CompoundCache::default(), visit);
+        let visit = |found: &Contact| is_twice |= seen[found.parts[0] as usize].replace(*found).is_some();
+        hullmap::contacts(&scene.mesh, &hull, body.pose, settings, &mut Cache::new(), visit);
         self.check(!is_twice, || "contacts: a triangle was visited twice".to_owned());
         for (index, (seen, depth)) in seen.iter().zip(depths).enumerate() {
             let slack = scene.slack;
@@ -227,7 +227,7 @@ impl Judge<'_> {
                 first.add(possible, certain);
             }
         }
-        let found = compound::ray(&scene.mesh, &ray, &CastSettings::default()).answer;
+        let found = hullmap::ray(&scene.mesh, &ray, &CastSettings::default());
         self.judge_first("ray", first, found.hit, [found.t_lower, found.t_upper], || format!("{found:?}, {ray:?}"));
     }
 
@@ -245,8 +245,8 @@ impl Judge<'_> {
             let (possible, certain) = meeting(corners, &points, velocity, scene.slack);
             first.add(possible, certain);
         }
-        let cache = &mut CompoundCache::default();
-        let found = compound::cast(&scene.mesh, &hull, start, motion, &CastSettings::default(), cache).answer;
+        let cache = &mut Cache::new();
+        let found = hullmap::cast(&scene.mesh, &hull, start, motion, &CastSettings::default(), cache);
         self.judge_first("cast", first, found.hit, [found.t_lower, found.t_upper], || {
             format!("{found:?}, {start:?}, {motion:?}")
         });
@@ -282,11 +282,10 @@ impl Judge<'_> {
         let scene = self.scene;
         let point = scene.point(rng);
         let nearest = scene.triangles.iter().map(|c| distance_from_triangle(*c, point)).fold(f64::INFINITY, f64::min);
-        let (settings, cache) = (Settings::default(), &mut CompoundCache::default());
-        let Ok(found) = surface_distance(&scene.mesh, point, &settings, cache).map(|found| found.answer) else {
+        let (settings, cache) = (Settings::default(), &mut Cache::new());
+        let Ok(found) = surface_distance(&scene.mesh, point, &settings, cache) else {
             // Not closed: the distance from the triangles.
-            let Ok(found) = compound::signed_distance(&scene.mesh, point, &settings, cache) else { return };
-            let found = found.answer;
+            let Ok(found) = hullmap::signed_distance(&scene.mesh, point, &settings, cache) else { return };
             self.count("signed distance", "open");
             let is_inside = found.lower <= nearest + scene.slack && nearest <= found.upper + scene.slack;
             self.check(is_inside, || format!("distance of {point}: {found:?}, by brute force {nearest}"));

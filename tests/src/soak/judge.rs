@@ -20,7 +20,7 @@ use std::hash::Hasher;
 
 use glam::{DMat3, DVec3};
 use hullmap::{
-    Cache, Contact, Distance, Intersection, Minkowski, Overlap, Pose, Settings, Status, SupportMap, contact, distance,
+    Cache, Contact, Distance, Geometry, Intersection, Minkowski, Overlap, Pose, Settings, Status, contact, distance,
     intersects,
 };
 use hullmap_testkit::{
@@ -97,7 +97,7 @@ impl Answers {
         }
     }
 
-    fn query<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(a: &A, b: &B, b_in_a: Pose, caches: &mut Caches) -> Self {
+    fn query<A: Geometry + ?Sized, B: Geometry + ?Sized>(a: &A, b: &B, b_in_a: Pose, caches: &mut Caches) -> Self {
         let (settings, [yes, deep, near]) = (Settings::default(), &mut caches.0);
         Self {
             yes: intersects(a, b, b_in_a, yes),

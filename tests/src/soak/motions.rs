@@ -147,7 +147,7 @@ impl Case<'_, '_> {
     fn distance(&self, t: f64) -> Distance {
         let [a, b] = self.bodies.map(Body::shape);
         match &self.plane {
-            Some(plane) => plane.distance(b, self.b_in_a(t)),
+            Some(plane) => hullmap::distance(plane, b, self.b_in_a(t), &Settings::default(), &mut Cache::new()),
             None => distance(a, b, self.b_in_a(t), &ACCURATE, &mut Cache::new()),
         }
     }
@@ -155,7 +155,7 @@ impl Case<'_, '_> {
     fn contact(&self, t: f64) -> Contact {
         let [a, b] = self.bodies.map(Body::shape);
         match &self.plane {
-            Some(plane) => plane.contact(b, self.b_in_a(t)),
+            Some(plane) => hullmap::contact(plane, b, self.b_in_a(t), &Settings::default(), &mut Cache::new()),
             None => contact(a, b, self.b_in_a(t), &ACCURATE, &mut Cache::new()),
         }
     }
@@ -193,7 +193,7 @@ impl Case<'_, '_> {
     fn answers(&self, settings: &MotionSettings) -> (TimeOfImpact, Option<hullmap::Clearance>) {
         let ([a, b], [motion_a, motion_b]) = (self.bodies.map(Body::shape), self.motions());
         if let Some(plane) = &self.plane {
-            return (plane.cast_motion(&motion_a, b, &motion_b, settings), None);
+            return (hullmap::cast_motion(plane, &motion_a, b, &motion_b, settings, &mut Cache::new()), None);
         }
         let found = cast_motion(a, &motion_a, b, &motion_b, settings, &mut Cache::new());
         let settings = ClearSettings { motion: *settings, ..ClearSettings::default() };

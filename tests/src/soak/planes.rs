@@ -10,7 +10,7 @@
 
 use glam::DVec3;
 use hullmap::{
-    CastSettings, Contact, Distance, Minkowski, Motion, Overlap, Pose, Ray, Status,
+    Cache, CastSettings, Contact, Distance, Minkowski, Motion, Overlap, Pose, Ray, Settings, Status,
     shapes::{HalfSpace, Sphere},
 };
 use hullmap_testkit::reach::{Placed, Reach};
@@ -52,10 +52,11 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
         judge.at_most("the points are not opposite each other", across.length(), 0.0, slack);
     };
 
+    let (settings, mut cache) = (Settings::default(), Cache::new());
     let Contact { hit, status, depth: found, depth_lower, depth_upper, point_a, point_b, .. } =
-        plane.contact(shape, pose);
+        hullmap::contact(&plane, shape, pose, &settings, &mut cache);
     *judge.tally.lines.entry(status.as_str()).or_default() += 1;
-    let overlap = plane.intersects(shape, pose).status;
+    let overlap = hullmap::intersects(&plane, shape, pose, &mut cache).status;
     judge.demand("contact and intersects contradict each other", hit == (overlap != Overlap::Separated));
     judge.demand("the depth is not in its interval", depth_lower <= found && found <= depth_upper);
     judge.at_most("the depth is below its interval", depth_lower, depth.max(0.0), slack);
@@ -67,7 +68,8 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     judge.at_most("the interval is wide", depth_upper - depth_lower, 2.0 * rounding, 4.0 * slack);
     points(&mut judge, [point_a, point_b], DVec3::ZERO);
 
-    let Distance { status, distance, lower, upper, point_a, point_b, .. } = plane.distance(shape, pose);
+    let Distance { status, distance, lower, upper, point_a, point_b, .. } =
+        hullmap::distance(&plane, shape, pose, &settings, &mut cache);
     judge.demand("the distance is not in its interval", lower <= distance && distance <= upper);
     judge.at_most("the distance is below its interval", lower, (-depth).max(0.0), slack);
     judge.at_most("the distance is above its interval", -depth, upper, slack);
@@ -100,7 +102,8 @@ fn judge_cast(
         ..CastSettings::default()
     };
     let cast = |velocity: DVec3, settings: &CastSettings| {
-        plane.cast(body.shape(), pose, Motion::new(velocity).expect("finite"), settings)
+        let motion = Motion::new(velocity).expect("finite");
+        hullmap::cast(plane, body.shape(), pose, motion, settings, &mut Cache::new())
     };
     let found = cast(velocity, &settings);
     same_when_slow(judge, rng, &found, velocity, &settings, cast);
@@ -128,13 +131,9 @@ fn judge_cast(
     // A ray is the cast of a point.
     let origin = pose.transform_point(body.shape().interior_point());
     let line = Ray::new(origin, velocity).expect("finite");
-    let (ray, dot) = (plane.ray(&line, &settings), Sphere::new(0.0).expect("a radius"));
-    let twin = plane.cast(
-        &dot,
-        Pose::from_translation(origin).expect("finite"),
-        Motion::new(velocity).expect("finite"),
-        &settings,
-    );
+    let (ray, dot) = (hullmap::ray(plane, &line, &settings), Sphere::new(0.0).expect("a radius"));
+    let (start, motion) = (Pose::from_translation(origin).expect("finite"), Motion::new(velocity).expect("finite"));
+    let twin = hullmap::cast(plane, &dot, start, motion, &settings, &mut Cache::new());
     judge.demand(
         "a ray is not the cast of a point",
         (ray.status, ray.t, ray.normal) == (twin.status, twin.t, twin.normal),

@@ -8,8 +8,8 @@
 use hullmap::batch::{self, Pair};
 use hullmap::shapes::HalfSpace;
 use hullmap::{
-    Cache, CastSettings, Compound, CompoundCache, CompoundManifolds, Contact, Distance, Hull, Intersection, Manifold,
-    ManifoldSettings, Motion, MotionSettings, Pose, Ray, RigidMotion, Settings, Shape, compound,
+    Cache, CastSettings, Compound, CompoundManifolds, Contact, Distance, Hull, Intersection, Manifold,
+    ManifoldSettings, Motion, MotionSettings, Pose, Ray, RigidMotion, Settings, Shape,
 };
 
 /// Shapes on any thread. Without `Sync` it is another type, for which all is compiled again.
@@ -60,22 +60,22 @@ pub fn batches<'s>(
 pub fn compounds(whole: &Compound<'_>, shape: &Shared<'_>, wall: &HalfSpace, pose: Pose, along: Motion, ray: &Ray) {
     let (settings, casts, manifold_settings) =
         (Settings::default(), CastSettings::default(), ManifoldSettings::default());
-    let (mut cache, mut manifolds) = (CompoundCache::new(8), CompoundManifolds::new(4));
+    let (mut cache, mut manifolds) = (Cache::with_pairs(8), CompoundManifolds::new(4));
     let cache = &mut cache;
-    compound::intersects(whole, shape, pose, cache);
-    compound::intersects(whole, whole, pose, cache);
-    compound::distance(whole, shape, pose, &settings, cache);
-    compound::distance(whole, whole, pose, &settings, cache);
-    compound::contact(shape, whole, pose, &settings, cache);
-    compound::contact(whole, shape, pose, &settings, cache);
-    compound::contact(whole, whole, pose, &settings, cache);
-    compound::cast(whole, shape, pose, along, &casts, cache);
-    compound::cast(whole, whole, pose, along, &casts, cache);
-    compound::ray(whole, ray, &casts);
-    let _ = compound::signed_distance(whole, pose.translation(), &settings, cache);
-    compound::half_space::contact(wall, whole, pose);
-    compound::half_space::cast(wall, whole, pose, along, &casts);
+    hullmap::intersects(whole, shape, pose, cache);
+    hullmap::intersects(whole, whole, pose, cache);
+    hullmap::distance(whole, shape, pose, &settings, cache);
+    hullmap::distance(whole, whole, pose, &settings, cache);
+    hullmap::contact(shape, whole, pose, &settings, cache);
+    hullmap::contact(whole, shape, pose, &settings, cache);
+    hullmap::contact(whole, whole, pose, &settings, cache);
+    hullmap::cast(whole, shape, pose, along, &casts, cache);
+    hullmap::cast(whole, whole, pose, along, &casts, cache);
+    hullmap::ray(whole, ray, &casts);
+    let _ = hullmap::signed_distance(whole, pose.translation(), &settings, cache);
+    hullmap::contact(wall, whole, pose, &settings, cache);
+    hullmap::cast(wall, whole, pose, along, &casts, cache);
     manifolds.update(whole, shape, pose, &manifold_settings);
     manifolds.update(whole, whole, pose, &manifold_settings);
-    manifolds.update_half_space(wall, whole, pose, &manifold_settings);
+    manifolds.update(wall, whole, pose, &manifold_settings);
 }

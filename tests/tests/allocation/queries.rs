@@ -4,12 +4,10 @@ use std::hint::black_box;
 
 use glam::{DQuat, DVec3, Vec3};
 use hullmap::batch::{self, Pair};
-use hullmap::cascade::{self, OuterHulls, Stages};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Scaled, Segment, Sphere, Triangle};
 use hullmap::{
-    Cache, CastSettings, Compound, CompoundCache, CompoundManifolds, Feature, Hull, Manifold, ManifoldSettings,
-    Minkowski, Motion, Pack, Pose, Ray, Settings, Shape, cast, compound, contact, distance, intersects, ray,
-    signed_distance,
+    Cache, CastSettings, Compound, CompoundManifolds, Feature, Hull, Manifold, ManifoldSettings, Minkowski, Motion,
+    Pack, Pose, Ray, Settings, Shape, cast, contact, distance, intersects, ray, signed_distance,
 };
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{self, pack};
@@ -133,13 +131,14 @@ fn queries_allocate_nothing() {
             black_box((hull.neighbours(i as u32).count(), hull.faces_at(i as u32).count(), hull.bounds()));
         }),
     );
-    let wall = HalfSpace::new(DVec3::ONE, 0.2).unwrap();
+    let (wall, mut none) = (HalfSpace::new(DVec3::ONE, 0.2).unwrap(), Cache::new());
     let mut on_wall = vec![Manifold::new(); ROUNDS];
     count(
         "half-space",
         allocations(|i| {
             let (a, _) = pair_at(i);
-            black_box((wall.intersects(a, poses[i]), wall.distance(a, poses[i])));
+            black_box(intersects(&wall, a, poses[i], &mut none));
+            black_box(distance(a, &wall, poses[i], &settings, &mut none));
             black_box(on_wall[i].update_half_space(&wall, a, poses[i], &ManifoldSettings::default()));
         }),
     );
@@ -196,10 +195,6 @@ fn queries_allocate_nothing() {
             }
             black_box(signed_distance(a, poses[i].translation(), &exact, cache).unwrap());
         });
-        each("stages", &mut |i, cache| {
-            let stages = Stages { outer: OuterHulls::Always, ..Stages::default() };
-            black_box(cascade::intersects(hull_at(i), hull_at(i / 2), poses[i], stages, cache));
-        });
         let mut manifolds = vec![Manifold::new(); ROUNDS];
         each("manifold", &mut |i, cache| {
             let (a, b) = pair_at(i);
@@ -207,30 +202,31 @@ fn queries_allocate_nothing() {
         });
     }
     let whole = Compound::new(&parts);
-    let (mut cache, mut manifolds) = (CompoundCache::new(8), CompoundManifolds::new(4));
+    let (mut cache, mut manifolds) = (Cache::with_pairs(8), CompoundManifolds::new(4));
     count(
         "compound",
         allocations(|i| {
             let (shape, pose) = (pair_at(i).0, poses[i]);
-            black_box(compound::intersects(&whole, shape, pose, &mut cache));
-            black_box(compound::distance(&whole, &whole, pose, &settings, &mut cache));
-            black_box(compound::contact(shape, &whole, pose, &settings, &mut cache));
-            black_box(compound::half_space::contact(&wall, &whole, pose));
+            black_box(hullmap::intersects(&whole, shape, pose, &mut cache));
+            black_box(hullmap::distance(&whole, &whole, pose, &settings, &mut cache));
+            black_box(hullmap::contact(shape, &whole, pose, &settings, &mut cache));
+            black_box(hullmap::contact(&wall, &whole, pose, &settings, &mut cache));
             let (motion, limits) = (Motion::new(-pose.translation()).unwrap(), CastSettings::default());
-            black_box(compound::cast(&whole, shape, pose, motion, &limits, &mut cache));
-            black_box(compound::ray(&whole, &Ray::new(pose.translation(), DVec3::X).unwrap(), &limits));
-            black_box(compound::half_space::cast(&wall, &whole, pose, motion, &limits));
-            black_box(compound::signed_distance(&whole, pose.translation(), &settings, &mut cache).unwrap());
+            black_box(hullmap::cast(&whole, shape, pose, motion, &limits, &mut cache));
+            black_box(hullmap::ray(&whole, &Ray::new(pose.translation(), DVec3::X).unwrap(), &limits));
+            black_box(hullmap::cast(&whole, &wall, pose, motion, &limits, &mut cache));
+            black_box(hullmap::signed_distance(&whole, pose.translation(), &settings, &mut cache).unwrap());
             let settings = ManifoldSettings::default();
             black_box(manifolds.update(&whole, shape, pose, &settings));
-            black_box(manifolds.update_half_space(&wall, &whole, pose, &settings));
+            black_box(manifolds.update(&wall, &whole, pose, &settings));
+            black_box(manifolds.update(&whole, &wall, pose, &settings));
             black_box(manifolds.iter_mut().count());
         }),
     );
     println!("{counts:?}");
     let guilty: Vec<_> = counts.iter().filter(|(_, count)| *count > 0).collect();
     assert!(guilty.is_empty(), "allocations in {ROUNDS} calls: {guilty:?}");
-    assert_eq!(counts.len(), 11 + 2 * 6);
+    assert_eq!(counts.len(), 11 + 2 * 5);
 
     // A batch on a warm pool: rayon's queues may grow once, for any number of pairs.
     let pairs: Vec<_> = (0..4 * ROUNDS).map(|i| (pair_at(i), poses[i % ROUNDS])).collect();

@@ -4,7 +4,7 @@
 use std::fs;
 
 use glam::{DVec3, Vec3};
-use hullmap::{Cache, Compound, CompoundCache, Pack, Pose, Settings, Voids, compound};
+use hullmap::{Cache, Compound, Pack, Pose, Settings, Voids};
 use hullmap_bake::{
     BakedHull, IndexKind, NO_SOURCE_VERTEX, PointSet, SolidKind, SourceRecord, bake_hull, fit::fits, write_pack,
 };
@@ -100,7 +100,7 @@ fn a_decomposed_mesh_has_its_gaps_and_is_verified() {
     bake(&folder, "build ball.obj --out baked").expect(0);
     let ball = Pack::open(folder.path().join("baked/ball.hullmap")).unwrap();
     let ball = Compound::new(&ball);
-    let (mut cache, mut rng) = (CompoundCache::default(), SplitMix64::new(8));
+    let (mut cache, mut rng) = (Cache::new(), SplitMix64::new(8));
     let (mut hits, mut in_hull) = (0, 0);
     for _ in 0..4_000 {
         let p = DVec3::new(rng.between(-0.5, 3.5), rng.between(-0.5, 3.5), rng.between(0.0, 1.0));
@@ -114,12 +114,12 @@ fn a_decomposed_mesh_has_its_gaps_and_is_verified() {
             continue;
         }
         let pose = Pose::from_translation(p).unwrap();
-        let hit = compound::intersects(&whole, &ball, pose, &mut cache).answer.is_hit();
+        let hit = hullmap::intersects(&whole, &ball, pose, &mut cache).is_hit();
         assert!(hit || gap > 0.05, "{p} is in a bar");
         hits += usize::from(hit);
         in_hull += usize::from((0.0..3.0).contains(&p.x) && (0.0..3.0).contains(&p.y));
         if gap > 0.2 {
-            let found = compound::distance(&whole, &ball, pose, &Settings::default(), &mut cache).answer;
+            let found = hullmap::distance(&whole, &ball, pose, &Settings::default(), &mut cache);
             assert!((found.distance - (gap - 0.05)).abs() < 0.06, "{p}: {} {gap}", found.distance);
         }
     }

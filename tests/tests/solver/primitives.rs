@@ -102,7 +102,10 @@ fn half_spaces_against_all_shapes() {
         let offset = lowest + size * [0.0, 1e-12, 0.3, -1e-12, -0.3, 1.5][rng.below(6)];
         let Ok(plane) = HalfSpace::new(normal, offset) else { continue };
         let truth = plane.offset() + placed.reach(-plane.normal());
-        let (c, d, y) = (plane.contact(shape, pose), plane.distance(shape, pose), plane.intersects(shape, pose).status);
+        let (settings, mut cache) = (Settings::default(), Cache::new());
+        let c = hullmap::contact(&plane, shape, pose, &settings, &mut cache);
+        let d = hullmap::distance(&plane, shape, pose, &settings, &mut cache);
+        let y = hullmap::intersects(&plane, shape, pose, &mut cache).status;
         let reach = body.model.greatest + pose.translation().length() + offset.abs();
         let slack = 64.0 * f64::EPSILON * reach;
         let width = 200.0 * f64::EPSILON * (reach + size) + 2.0 * shape.support_error();
@@ -156,7 +159,8 @@ fn half_spaces_and_moving_shapes() {
             _ => rng.unit_vector(),
         } * (size * rng.between(0.1, 10.0));
         let motion = Motion::new(velocity).unwrap();
-        let impact = plane.cast(body.shape(), pose, motion, &CastSettings { max_t: 2.0, ..CastSettings::default() });
+        let settings = CastSettings { max_t: 2.0, ..CastSettings::default() };
+        let impact = hullmap::cast(&plane, body.shape(), pose, motion, &settings, &mut Cache::new());
         let gap = -plane.offset() - placed.reach(-plane.normal());
         let speed = -plane.normal().dot(velocity);
         let t = gap / speed;
@@ -201,9 +205,9 @@ fn half_spaces_and_rays() {
         let (origin, direction) = (rng.unit_vector() * (rng.between(0.0, 3.0) * size), rng.unit_vector() * size);
         let height = origin.dot(plane.normal()) - plane.offset();
         let t = -height / direction.dot(plane.normal());
-        let hit = plane.ray(&Ray::new(origin, direction).unwrap(), &CastSettings::default());
+        let hit = hullmap::ray(&plane, &Ray::new(origin, direction).unwrap(), &CastSettings::default());
         let at = format!("seed {SEED}, {i}: {height:e} {t:e} {hit:?}");
-        let signed = plane.signed_distance(origin).unwrap();
+        let signed = hullmap::signed_distance(&plane, origin, &Settings::default(), &mut Cache::new()).unwrap();
         assert!(signed.lower <= height + 1e-15 * size && height - 1e-15 * size <= signed.upper, "{at} {signed:?}");
         assert!(signed.upper - signed.lower < 1e-13 * size && (signed.distance - height).abs() < 1e-14 * size, "{at}");
         assert!(signed.point.distance(origin - plane.normal() * height) < 1e-14 * size, "{at} {signed:?}");
@@ -224,10 +228,10 @@ fn half_spaces_and_rays() {
     assert!(hits > 1_000 && inside > 1_000, "{hits} {inside}");
     let plane = HalfSpace::new(DVec3::Z, 0.0).unwrap();
     let still = Ray::new(DVec3::Z, DVec3::ZERO).unwrap();
-    assert_eq!(plane.ray(&still, &CastSettings::default()).status, Status::Separated);
+    assert_eq!(hullmap::ray(&plane, &still, &CastSettings::default()).status, Status::Separated);
     let within = Ray::new(-DVec3::Z, DVec3::ZERO).unwrap();
-    assert_eq!(plane.ray(&within, &CastSettings::default()).status, Status::Overlapping);
-    assert!(plane.signed_distance(DVec3::NAN).is_err());
+    assert_eq!(hullmap::ray(&plane, &within, &CastSettings::default()).status, Status::Overlapping);
+    assert!(hullmap::signed_distance(&plane, DVec3::NAN, &Settings::default(), &mut Cache::new()).is_err());
 }
 
 /// Bounds contain the shape, without any tolerance for the reference, and are hardly larger.

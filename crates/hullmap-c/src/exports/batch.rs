@@ -41,7 +41,7 @@ unsafe fn pairs<'p>(pairs: *const ShapePair, count: usize) -> Fallible<Vec<batch
 unsafe fn checked<'p>(pair: &ShapePair) -> Fallible<batch::CheckedPair<'p>> {
     // SAFETY: this function's contract.
     let (a, b) = unsafe { (border::handle("a", pair.a)?, border::handle("b", pair.b)?) };
-    query::check_sides(b)?;
+    query::check_pair(a, b)?;
     Ok(batch::CheckedPair { a, b, b_in_a: super::pose("b_in_a", pair.b_in_a)? })
 }
 

@@ -95,7 +95,7 @@ pub unsafe extern "C" fn hullmap_cast_motion(
 }
 
 /// Whether A and B, which move and turn, stay farther apart than a margin, and which clearance is
-/// proven. Motions are in a common frame. A half-space is always A. settings and cache may be NULL.
+/// proven. Motions are in a common frame. settings and cache may be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_clear(
     a: *const Shape,

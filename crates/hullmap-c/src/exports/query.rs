@@ -6,7 +6,7 @@ use hullmap::Motion;
 use crate::batch::CheckedPair;
 use crate::border::{self, Out, call};
 use crate::failure::{Failure, Fallible};
-use crate::handles::{Cache, Memory, Shape};
+use crate::handles::{Cache, Shape};
 use crate::query;
 use crate::types::{
     Bounds, CastSettings, Contact, Distance, Impact, Intersection, Pose, RayHit, Result, Settings, SignedDistance,
@@ -15,7 +15,10 @@ use crate::types::{
 
 /// Runs a query with the memory of a cache, or with an empty one.
 #[inline(always)]
-pub(super) fn with_memory<T>(cache: Option<&Cache>, query: impl FnOnce(&mut Memory) -> Fallible<T>) -> Fallible<T> {
+pub(super) fn with_memory<T>(
+    cache: Option<&Cache>,
+    query: impl FnOnce(&mut hullmap::Cache) -> Fallible<T>,
+) -> Fallible<T> {
     let (mut guard, mut empty);
     let memory = match cache {
         Some(cache) => {
@@ -23,7 +26,7 @@ pub(super) fn with_memory<T>(cache: Option<&Cache>, query: impl FnOnce(&mut Memo
             &mut *guard
         }
         None => {
-            empty = Memory::default();
+            empty = hullmap::Cache::new();
             &mut empty
         }
     };
@@ -182,7 +185,7 @@ pub unsafe extern "C" fn hullmap_ray(
             (shape, settings, Out::new("out", out)?)
         };
         let ray = ray_of(origin, direction)?;
-        out.write(query::ray(shape, &ray, &super::cast_settings(settings))?);
+        out.write(query::ray(shape, &ray, &super::cast_settings(settings)));
         Ok(())
     })
 }

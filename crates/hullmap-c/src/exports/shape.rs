@@ -119,7 +119,7 @@ pub unsafe extern "C" fn hullmap_shape_triangle(a: Vec3, b: Vec3, c: Vec3, shape
 }
 
 /// Everything below a plane: the points p with normal . p <= offset, after the normal is
-/// normalised. For floors and walls. A half-space is always A, the first shape of a pair.
+/// normalised. For floors and walls. Two half-spaces have no query.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_shape_half_space(normal: Vec3, offset: f64, shape: *mut *mut Shape) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.

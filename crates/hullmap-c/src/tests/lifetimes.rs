@@ -15,7 +15,7 @@ fn shapes_outlive_their_pack() {
     drop(pack);
     assert!(pack_handle.upgrade().is_some());
     let b_in_a = types::Pose { rotation: types::Quat { w: 1.0, ..Default::default() }, ..Default::default() };
-    let mut contact = types::Contact::separated();
+    let mut contact = types::Contact::from(hullmap::Contact::default());
     // SAFETY: the pointers are valid.
     let code =
         unsafe { hullmap_contact(shapes[0].0, shapes[3].0, &raw const b_in_a, null(), null_mut(), &raw mut contact) };

@@ -4,7 +4,8 @@
 use super::*;
 use crate::exports::{height_field::*, triangle_mesh::*};
 use crate::handles::{HeightField, TriangleMesh};
-use hullmap::compound::{Parts, SharedSheet};
+use hullmap::Geometry;
+use hullmap::compound::SharedSheet;
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
@@ -198,9 +199,9 @@ fn queries_have_the_same_bits() {
     compare(&ground, &SharedSheet::Field(std::sync::Arc::new(twin)));
 }
 
-fn compare(ground: &Owned<Shape>, twin: &impl Parts) {
+fn compare(ground: &Owned<Shape>, twin: &impl Geometry) {
     let (pack_file, pack) = (file(), open());
-    let twin_pack = hullmap::Pack::from_bytes(&pack_file).unwrap();
+    let twin_pack = twin_pack(&pack_file);
     let (settings, mut rng) = (hullmap::Settings::default(), SplitMix64::new(40));
     let mut hits = [0; 2];
     for (shape, other) in all_shapes(&pack).iter().zip(&all_twins(&twin_pack)) {
@@ -212,47 +213,20 @@ fn compare(ground: &Owned<Shape>, twin: &impl Parts) {
                 rotation: types::Quat { x: turn[0], y: turn[1], z: turn[2], w: turn[3] },
             };
             let twin_pose = hullmap::Pose::new(at, DQuat::from_array(turn)).unwrap();
-            let mut found = types::Distance::new(
-                hullmap::distance(
-                    &hull_of(&twin_pack),
-                    &hull_of(&twin_pack),
-                    twin_pose,
-                    &settings,
-                    &mut Default::default(),
-                ),
-                [9, 9],
-            );
-            let memory = &mut hullmap::CompoundCache::default();
+            let mut found = types::Distance::from(hullmap::Distance::default());
             // SAFETY: the pointers are valid.
             let query = |a: &Owned<Shape>, b: &Owned<Shape>, out: *mut types::Distance| unsafe {
                 hullmap_distance(a.0, b.0, &raw const pose, null(), null_mut(), out)
             };
-            let expected = match other {
-                Twin::Convex(other) => Some(compound::distance(twin, &**other, twin_pose, &settings, memory)),
-                Twin::Compound(other) => Some(compound::distance(twin, &**other, twin_pose, &settings, memory)),
-                Twin::HalfSpace(plane) => {
-                    // A half-space is always the first.
-                    assert_eq!(query(ground, shape, &raw mut found), Code::Unsupported);
-                    assert_eq!(query(shape, ground, &raw mut found), Code::Ok);
-                    let expected = compound::half_space::distance(plane, twin, twin_pose);
-                    assert_eq!(found.distance.to_bits(), expected.answer.distance.to_bits());
-                    None
-                }
-            };
-            let Some(expected) = expected else { continue };
+            let expected = hullmap::distance(twin, other, twin_pose, &settings, &mut hullmap::Cache::new());
             assert_eq!(query(ground, shape, &raw mut found), Code::Ok, "{}", message());
-            assert_eq!([found.hull_a, found.hull_b].map(|hull| hull as usize), expected.hulls);
-            assert_eq!(found.distance.to_bits(), expected.answer.distance.to_bits());
+            same_distance(&found, &expected);
             hits[usize::from(found.distance == 0.0)] += 1;
             assert_eq!(query(shape, ground, &raw mut found), Code::Ok, "{}", message());
         }
     }
     println!("separated and overlapping: {hits:?}");
     assert!(hits.iter().all(|count| *count > 20), "{hits:?}");
-}
-
-fn hull_of(pack: &hullmap::Pack) -> hullmap::Hull<'_> {
-    pack.hull(0).unwrap()
 }
 
 #[test]
@@ -267,14 +241,11 @@ fn a_level_carries_a_box_and_has_no_support_points() {
         translation: types::Vec3 { x: 0.2, y: 0.1, z },
         rotation: types::Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 },
     };
-    let mut hit = types::RayHit::new(
-        hullmap::ray(
-            &hullmap::shapes::Sphere::new(1.0).unwrap(),
-            &hullmap::Ray::new(DVec3::ZERO, DVec3::X).unwrap(),
-            &hullmap::CastSettings::default(),
-        ),
-        9,
-    );
+    let mut hit = types::RayHit::from(hullmap::ray(
+        &hullmap::shapes::Sphere::new(1.0).unwrap(),
+        &hullmap::Ray::new(DVec3::ZERO, DVec3::X).unwrap(),
+        &hullmap::CastSettings::default(),
+    ));
     let mut bounds = types::Bounds::default();
     // SAFETY: the pointers are valid.
     unsafe {

@@ -4,7 +4,6 @@
 use hullmap::SupportPoint;
 
 use super::*;
-use crate::handles::Kind;
 
 /// A shape with a bug.
 struct Broken;
@@ -32,17 +31,17 @@ impl hullmap::Shape for Broken {}
 fn panics_become_errors() {
     let pack = open();
     let shapes = all_shapes(&pack);
-    let broken = Shape { kind: Kind::Convex(Box::new(Broken)) };
+    let broken = Shape(SharedGeometry::from_shape(Broken));
     let pose = types::Pose { rotation: types::Quat { w: 1.0, ..Default::default() }, ..Default::default() };
     let (warm, manifold) = (cache(), manifold());
-    let mut contact = types::Contact::separated();
+    let mut contact = types::Contact::from(hullmap::Contact::default());
     // SAFETY: the pointers are valid.
     unsafe {
         let pose = &raw const pose;
         let found = hullmap_contact(shapes[0].0, &raw const broken, pose, null(), warm.0, &raw mut contact);
         assert_eq!(found, Code::Panic);
         assert!(message().contains("broken shape"), "{}", message());
-        assert_eq!(contact, types::Contact::separated());
+        assert_eq!(contact, types::Contact::from(hullmap::Contact::default()));
         let mut shown = std::mem::zeroed::<types::ManifoldPoints>();
         let a = shapes[3].0;
         let found = hullmap_manifold_update(manifold.0, a, &raw const broken, pose, null(), &raw mut shown);
@@ -69,7 +68,7 @@ fn handles_in_use_are_busy() {
     let (warm, manifold) = (cache(), manifold());
     let b_in_a = types::Pose { rotation: types::Quat { w: 1.0, ..Default::default() }, ..Default::default() };
     let pairs = [ShapePair { a: shapes[0].0, b: shapes[1].0, b_in_a }; 2];
-    let mut contacts = [types::Contact::separated(); 2];
+    let mut contacts = [types::Contact::from(hullmap::Contact::default()); 2];
     // SAFETY: the pointers are valid.
     unsafe {
         let caches = [warm.0; 2];

@@ -36,10 +36,9 @@ fn random_motion(rng: &mut SplitMix64, kind: u32) -> (RigidMotion, types::Motion
 #[test]
 fn motions_have_the_same_bits() {
     let (pack, file) = (open(), file());
-    let twin_pack = hullmap::Pack::from_bytes(&file).unwrap();
+    let twin_pack = twin_pack(&file);
     let (shapes, twins) = (all_shapes(&pack), all_twins(&twin_pack));
     let (other, twin_other) = (&shapes[1], &twins[1]);
-    let Twin::Convex(twin_other) = twin_other else { panic!("a hull") };
     let mut rng = SplitMix64::new(17);
     let (mut hits, mut free, mut unique) = (0, 0, 0);
     for (shape, twin) in shapes.iter().zip(&twins) {
@@ -57,34 +56,21 @@ fn motions_have_the_same_bits() {
                 ]
             };
             let settings = hullmap::MotionSettings::default();
-            let (mut cache, mut compounds) = (hullmap::Cache::new(), hullmap::CompoundCache::default());
-            let (expected, expected_clear) = match twin {
-                Twin::Convex(twin) => {
-                    let (a, b) = (&**twin, &**twin_other);
-                    let expected = hullmap::cast_motion(a, &twin_a, b, &twin_b, &settings, &mut cache);
-                    let slopes = expected.derivatives(a, &twin_a, b, &twin_b);
+            let (own, cache) = (hullmap::ClearSettings::default(), || hullmap::Cache::new());
+            let expected = hullmap::cast_motion(twin, &twin_a, twin_other, &twin_b, &settings, &mut cache());
+            let expected_clear = hullmap::clear(twin, &twin_a, twin_other, &twin_b, &own, &mut cache());
+            let with_other = |a: &dyn hullmap::Shape| {
+                let derivatives = |b: &dyn hullmap::Shape| expected.derivatives(a, &twin_a, b, &twin_b);
+                twin_other.with_part(expected.parts[1], derivatives)
+            };
+            match twin.with_part(expected.parts[0], with_other).flatten() {
+                Some(slopes) => {
                     assert_eq!(by, slopes.into());
                     unique += usize::from(slopes.status == hullmap::Differentiability::Unique);
-                    let own = hullmap::ClearSettings::default();
-                    cache.clear();
-                    (expected, hullmap::clear(a, &twin_a, b, &twin_b, &own, &mut cache))
                 }
-                Twin::HalfSpace(twin) => {
-                    assert_eq!(by.differentiability, types::Differentiability::Inaccurate);
-                    let own = hullmap::ClearSettings::default();
-                    let clear = twin.clear(&twin_a, &**twin_other, &twin_b, &own);
-                    (twin.cast_motion(&twin_a, &**twin_other, &twin_b, &settings), clear)
-                }
-                Twin::Compound(twin) => {
-                    let b = Compound::from(twin_pack.hull(1).unwrap());
-                    let expected = compound::cast_motion(&**twin, &twin_a, &b, &twin_b, &settings, &mut compounds);
-                    assert_eq!([found.hull_a, found.hull_b].map(|hull| hull as usize), expected.hulls);
-                    compounds.clear();
-                    let own = hullmap::ClearSettings::default();
-                    let clear = compound::clear(&**twin, &twin_a, &b, &twin_b, &own, &mut compounds);
-                    (expected.answer, clear.answer)
-                }
-            };
+                None => assert_eq!(by.differentiability, types::Differentiability::Inaccurate),
+            }
+            assert_eq!([found.hull_a, found.hull_b], expected.parts);
             same!(found, expected; t t_lower t_upper; normal point_a point_b; hit iterations support_calls);
             hits += usize::from(found.hit);
             assert_eq!(codes, [Code::Ok; 2]);
@@ -107,9 +93,9 @@ fn motions_have_the_same_bits() {
 #[test]
 fn derivatives_have_the_same_bits() {
     let (pack, file) = (open(), file());
-    let twin_pack = hullmap::Pack::from_bytes(&file).unwrap();
+    let twin_pack = twin_pack(&file);
     let (shapes, twins) = (all_shapes(&pack), all_twins(&twin_pack));
-    let Twin::Convex(twin_b) = &twins[1] else { panic!("a hull") };
+    let twin_b = twins[1].as_shape().unwrap();
     let (mut rng, settings) = (SplitMix64::new(18), hullmap::Settings::default());
     let mut unique = [0; 2];
     for (shape, twin) in shapes.iter().zip(&twins) {
@@ -127,12 +113,12 @@ fn derivatives_have_the_same_bits() {
                     hullmap_contact_derivatives(shape.0, b, pose, null(), none, &raw mut contact, of_depth, at_depth),
                 ]
             };
-            let Twin::Convex(a) = twin else {
+            let Some(a) = twin.as_shape() else {
                 assert_eq!(codes, [Code::Unsupported; 2]);
                 continue;
             };
             assert_eq!(codes, [Code::Ok; 2]);
-            let (a, b) = (&**a, &**twin_b);
+            let b = twin_b;
             let expected = hullmap::distance(a, b, twin_pose, &settings, &mut hullmap::Cache::new());
             same_distance(&gap, &expected);
             assert_eq!(by[0], expected.derivatives(a, b, twin_pose).into());
@@ -154,7 +140,7 @@ fn derivatives_have_the_same_bits() {
 #[test]
 fn derivatives_of_rays_have_the_same_bits() {
     let (pack, file) = (open(), file());
-    let twin_pack = hullmap::Pack::from_bytes(&file).unwrap();
+    let twin_pack = twin_pack(&file);
     let (shapes, twins) = (all_shapes(&pack), all_twins(&twin_pack));
     let (mut rng, mut unique, mut missing) = (SplitMix64::new(23), 0, 0);
     for (shape, twin) in shapes.iter().zip(&twins) {
@@ -168,15 +154,15 @@ fn derivatives_of_rays_have_the_same_bits() {
                 let (origin, direction) = (origin.into(), direction.into());
                 hullmap_ray_derivatives(shape.0, origin, direction, null(), &raw mut hit, &raw mut by)
             };
-            let Twin::Convex(twin) = twin else {
+            let Some(twin) = twin.as_shape() else {
                 assert_eq!(code, Code::Unsupported);
                 continue;
             };
             assert_eq!(code, Code::Ok);
             let ray = hullmap::Ray::new(origin, direction).unwrap();
-            let expected = hullmap::ray(&**twin, &ray, &hullmap::CastSettings::default());
+            let expected = hullmap::ray(twin, &ray, &hullmap::CastSettings::default());
             assert_eq!((hit.hit, hit.t.to_bits()), (expected.hit, expected.t.to_bits()));
-            assert_eq!(by, expected.derivatives(&**twin, &ray).into());
+            assert_eq!(by, expected.derivatives(twin, &ray).into());
             unique += usize::from(by.differentiability == types::Differentiability::Unique);
             missing += usize::from(by.differentiability == types::Differentiability::Missing);
         }
@@ -203,7 +189,12 @@ fn wrong_motions_are_errors() {
     let turned = types::Pose { translation: NO_WHERE, rotation: types::Quat::default() };
     assert_eq!(run(&types::Motion { start: turned, ..fine }, shapes[1].0), Code::InvalidArgument);
     assert_eq!(run(&fine, null()), Code::Null);
-    assert_eq!(run(&fine, shapes.last().unwrap().0), Code::Unsupported);
+    let plane = shapes.last().unwrap().0;
+    assert_eq!(run(&fine, plane), Code::Ok);
+    let (fine, mut found): (_, types::Clearance) = (&raw const fine, empty());
+    // SAFETY: the pointers are valid or NULL.
+    let code = unsafe { hullmap_clear(plane, fine, plane, fine, null(), null_mut(), &raw mut found) };
+    assert_eq!(code, Code::Unsupported);
     // Members of other kinds are not read.
     let still = types::Motion { kind: number_of(MotionKind::Still), ..infinite };
     assert_eq!(run(&still, shapes[1].0), Code::Ok);

@@ -65,7 +65,7 @@ fn overhead() {
             };
             let settings = hullmap::Settings::default();
             let (warm, mut twin_cache) = (cache(), hullmap::Cache::new());
-            let mut out = types::Contact::separated();
+            let mut out = types::Contact::from(hullmap::Contact::default());
             let mut by_c = |i: usize| {
                 // SAFETY: the pointers are valid.
                 let code = unsafe { contact(a.0, b.0, &raw const poses[i], null(), warm.0, &raw mut out) };
@@ -80,7 +80,7 @@ fn overhead() {
             println!("| {count} | contact, {name} | {c:.0} | {rust:.0} | {:.0} |", c - rust);
 
             let (warm, mut twin_cache) = (cache(), hullmap::Cache::new());
-            let mut out = types::Distance::new(hullmap::Distance::default(), [0, 0]);
+            let mut out = types::Distance::from(hullmap::Distance::default());
             let mut by_c = |i: usize| {
                 // SAFETY: the pointers are valid.
                 let code = unsafe { distance(a.0, b.0, &raw const poses[i], null(), warm.0, &raw mut out) };
@@ -95,7 +95,7 @@ fn overhead() {
             println!("| {count} | distance, {name} | {c:.0} | {rust:.0} | {:.0} |", c - rust);
 
             let (warm, mut twin_cache) = (cache(), hullmap::Cache::new());
-            let mut out = types::Intersection::new(hullmap::Intersection::default(), [0, 0]);
+            let mut out = types::Intersection::from(hullmap::Intersection::default());
             let mut by_c = |i: usize| {
                 // SAFETY: the pointers are valid.
                 let code = unsafe { intersects(a.0, b.0, &raw const poses[i], warm.0, &raw mut out) };

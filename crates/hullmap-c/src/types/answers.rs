@@ -39,11 +39,11 @@ pub struct Intersection {
     pub support_calls: u32,
 }
 
-impl Intersection {
+impl From<hullmap::Intersection> for Intersection {
     #[inline(always)]
-    pub(crate) fn new(found: hullmap::Intersection, hulls: [usize; 2]) -> Self {
-        let [hull_a, hull_b] = hulls.map(|hull| hull as u32);
-        let hullmap::Intersection { status, iterations, support_calls } = found;
+    fn from(found: hullmap::Intersection) -> Self {
+        let [hull_a, hull_b] = found.parts;
+        let hullmap::Intersection { status, iterations, support_calls, .. } = found;
         Self { hit: found.is_hit(), status: status.into(), hull_a, hull_b, iterations, support_calls }
     }
 }
@@ -77,10 +77,10 @@ pub struct Distance {
     pub point_b: Vec3,
 }
 
-impl Distance {
+impl From<hullmap::Distance> for Distance {
     #[inline(always)]
-    pub(crate) fn new(found: hullmap::Distance, hulls: [usize; 2]) -> Self {
-        let [hull_a, hull_b] = hulls.map(|hull| hull as u32);
+    fn from(found: hullmap::Distance) -> Self {
+        let [hull_a, hull_b] = found.parts;
         Self {
             status: found.status.into(),
             hull_a,
@@ -122,7 +122,7 @@ pub struct Contact {
     /// Upper bound of the depth.
     pub depth_upper: f64,
     /// Unit vector from A to B. For separated convex shapes, a separating axis. For separated
-    /// compounds, normal, points and counts are 0.
+    /// compounds, normal and points are 0.
     pub normal: Vec3,
     /// The point of A that is deepest in B; if they are separated, some point of A.
     pub point_a: Vec3,
@@ -130,10 +130,12 @@ pub struct Contact {
     pub point_b: Vec3,
 }
 
-impl Contact {
+impl From<hullmap::Contact> for Contact {
     #[inline(always)]
-    pub(crate) fn new(found: hullmap::Contact, hulls: [usize; 2]) -> Self {
-        let [hull_a, hull_b] = hulls.map(|hull| hull as u32);
+    fn from(found: hullmap::Contact) -> Self {
+        let [hull_a, hull_b] = found.parts;
+        // Separated parts have no common separating axis.
+        let known = |v: DVec3| if v.is_nan() { DVec3::ZERO } else { v };
         Self {
             hit: found.hit,
             status: found.status.into(),
@@ -144,18 +146,10 @@ impl Contact {
             depth: found.depth,
             depth_lower: found.depth_lower,
             depth_upper: found.depth_upper,
-            normal: found.normal.into(),
-            point_a: found.point_a.into(),
-            point_b: found.point_b.into(),
+            normal: known(found.normal).into(),
+            point_a: known(found.point_a).into(),
+            point_b: known(found.point_b).into(),
         }
-    }
-
-    /// The answer for compounds of which no two parts touch.
-    pub(crate) fn separated() -> Self {
-        let [normal, point_a, point_b] = [DVec3::ZERO; 3];
-        let (hit, status, depth_upper) = (false, hullmap::Status::Separated, 0.0);
-        let none = hullmap::Contact { hit, status, depth_upper, normal, point_a, point_b, ..Default::default() };
-        Self::new(none, [0, 0])
     }
 }
 
@@ -185,12 +179,13 @@ pub struct RayHit {
     pub normal: Vec3,
 }
 
-impl RayHit {
-    pub(crate) fn new(found: hullmap::RayHit, hull: usize) -> Self {
+impl From<hullmap::RayHit> for RayHit {
+    #[inline(always)]
+    fn from(found: hullmap::RayHit) -> Self {
         Self {
             hit: found.hit,
             status: found.status.into(),
-            hull: hull as u32,
+            hull: found.part,
             iterations: found.iterations,
             support_calls: found.support_calls,
             t: found.t,
@@ -232,9 +227,10 @@ pub struct Impact {
     pub point_b: Vec3,
 }
 
-impl Impact {
-    pub(crate) fn new(found: hullmap::Impact, hulls: [usize; 2]) -> Self {
-        let [hull_a, hull_b] = hulls.map(|hull| hull as u32);
+impl From<hullmap::Impact> for Impact {
+    #[inline(always)]
+    fn from(found: hullmap::Impact) -> Self {
+        let [hull_a, hull_b] = found.parts;
         Self {
             hit: found.hit,
             status: found.status.into(),
@@ -276,11 +272,12 @@ pub struct SignedDistance {
     pub normal: Vec3,
 }
 
-impl SignedDistance {
-    pub(crate) fn new(found: hullmap::SignedDistance, hull: usize) -> Self {
+impl From<hullmap::SignedDistance> for SignedDistance {
+    #[inline(always)]
+    fn from(found: hullmap::SignedDistance) -> Self {
         Self {
             status: found.status.into(),
-            hull: hull as u32,
+            hull: found.part,
             iterations: found.iterations,
             support_calls: found.support_calls,
             distance: found.distance,

@@ -105,9 +105,10 @@ pub struct TimeOfImpact {
     pub point_b: Vec3,
 }
 
-impl TimeOfImpact {
-    pub(crate) fn new(found: hullmap::TimeOfImpact, hulls: [usize; 2]) -> Self {
-        let [hull_a, hull_b] = hulls.map(|hull| hull as u32);
+impl From<hullmap::TimeOfImpact> for TimeOfImpact {
+    #[inline(always)]
+    fn from(found: hullmap::TimeOfImpact) -> Self {
+        let [hull_a, hull_b] = found.parts;
         Self {
             hit: found.hit,
             status: found.status.into(),
@@ -167,10 +168,10 @@ pub struct Clearance {
     pub t_upper: f64,
 }
 
-impl Clearance {
-    pub(crate) fn new(found: hullmap::Clearance, hulls: [usize; 2]) -> Self {
-        let hulls = if found.verdict == hullmap::Verdict::Hit { hulls } else { [0, 0] };
-        let [hull_a, hull_b] = hulls.map(|hull| hull as u32);
+impl From<hullmap::Clearance> for Clearance {
+    #[inline(always)]
+    fn from(found: hullmap::Clearance) -> Self {
+        let [hull_a, hull_b] = found.parts;
         let verdict = match found.verdict {
             hullmap::Verdict::Free => Verdict::Free,
             hullmap::Verdict::Hit => Verdict::Hit,

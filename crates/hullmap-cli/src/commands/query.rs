@@ -1,6 +1,6 @@
 //! `bake query`: intersection, distance or contact of hulls, packs or meshes, in many poses.
 
-use hullmap::{Compound, Hull, Pose, TriangleMesh};
+use hullmap::{Hull, Pose};
 use serde::Serialize;
 
 use crate::args::{Mode, QueryArgs};
@@ -72,33 +72,13 @@ pub fn run(args: &QueryArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (select_a, select_b) = (Selection::parse(&args.a), Selection::parse(&args.b));
     let (file_a, file_b) = (open_baked(&select_a.file)?, open_baked(&select_b.file)?);
     let (a, b) = (choose(&select_a, &file_a)?, choose(&select_b, &file_b)?);
-    match (a, b) {
-        (Chosen::Hulls(a), Chosen::Hulls(b)) => answer(args, poses, &*a, &*b, out),
-        (Chosen::Hulls(a), Chosen::Triangles(b)) => answer(args, poses, &*a, b, out),
-        (Chosen::Triangles(a), Chosen::Hulls(b)) => answer(args, poses, a, &*b, out),
-        (Chosen::Triangles(a), Chosen::Triangles(b)) => answer(args, poses, a, b, out),
-    }
-}
-
-enum Chosen<'a> {
-    Hulls(Box<Compound<'a>>),
-    Triangles(&'a TriangleMesh),
-}
-
-fn answer<A: Side, B: Side>(
-    args: &QueryArgs,
-    poses: Vec<Pose>,
-    a: &A,
-    b: &B,
-    out: &mut Output,
-) -> Result<Exit, Failure> {
     let names_parts = a.has_parts() || b.has_parts();
-    let mut solver = PairSolver::new(a, b);
+    let mut solver = PairSolver::new(&a, &b);
     let mut table = table(args.mode, names_parts);
     for (index, pose) in poses.into_iter().enumerate() {
         let answer = solver.query(pose, args.mode);
-        let names = |[in_a, in_b]: [usize; 2]| [a.part_name(in_a), b.part_name(in_b)];
-        let [hull_a, hull_b] = answer.hulls.map_or([None, None], names);
+        let names = |[in_a, in_b]: [u32; 2]| [a.part_name(in_a), b.part_name(in_b)];
+        let [hull_a, hull_b] = answer.parts.filter(|_| names_parts).map_or([None, None], names);
         let report = PoseAnswer { hull_a, hull_b, ..PoseAnswer::new(index, answer) };
         if args.json {
             out.json(&report)?;
@@ -127,9 +107,10 @@ fn poses(args: &QueryArgs) -> Result<Vec<Pose>, Failure> {
     Ok(poses)
 }
 
-fn choose<'a>(selection: &Selection, file: &'a BakedFile) -> Result<Chosen<'a>, Failure> {
+/// The selected hull, the whole pack, or the triangle mesh.
+fn choose<'a>(selection: &Selection, file: &'a BakedFile) -> Result<Side<'a>, Failure> {
     let pack = match (file, &selection.hull) {
-        (BakedFile::TriangleMesh(mesh), None) => return Ok(Chosen::Triangles(mesh)),
+        (BakedFile::TriangleMesh(mesh), None) => return Ok(Side::Mesh(mesh)),
         (BakedFile::TriangleMesh(_), Some(hull)) => {
             let path = selection.file.display();
             return Err(Failure::usage(format!("{path}: is a triangle mesh, which has no hulls; leave out `#{hull}`")));
@@ -137,12 +118,15 @@ fn choose<'a>(selection: &Selection, file: &'a BakedFile) -> Result<Chosen<'a>, 
         (BakedFile::Pack(pack), _) => pack,
     };
     let hulls: Vec<Hull> = pack.hulls().collect();
+    if let ([only], None) = (hulls.as_slice(), &selection.hull) {
+        return Ok(Side::Hull(Box::new(*only)));
+    }
     if selection.hull.is_none() {
-        return Ok(Chosen::Hulls(Box::new(Compound::new(pack))));
+        return Ok(Side::Pack(pack));
     }
     let names: Vec<&str> = hulls.iter().map(|hull| hull.name()).collect();
     let index = selection.choose(&names)?;
-    Ok(Chosen::Hulls(Box::new(Compound::from(hulls[index]))))
+    Ok(Side::Hull(Box::new(hulls[index])))
 }
 
 fn table(mode: Mode, names_hulls: bool) -> Table {

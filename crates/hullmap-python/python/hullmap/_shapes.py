@@ -475,7 +475,7 @@ class Triangle(ConvexShape):
 
 class HalfSpace(_Solid):
     """Everything below a plane: the points p with ``normal @ p <= offset``, after ``normal`` is
-    normalised. In a pair, it is always the first shape."""
+    normalised. Two of them have no query; in `manifold`, it is the first shape."""
 
     __slots__ = ("normal", "offset")
 

@@ -29,7 +29,7 @@ mod query;
 mod tests;
 
 use self::in_flight::{CONTACTS_IN_FLIGHT, IN_FLIGHT};
-pub use self::moving_pair::{MovingPair, clear, clear_compounds};
+pub use self::moving_pair::{MovingPair, clear};
 pub use self::pair::{Pair, SupportQuery};
 use self::plan::Plan;
 use self::query::BatchQuery;
@@ -293,6 +293,48 @@ where
             manifold.update(pair.a, pair.b, pair.b_in_a, settings, cache);
         }),
     }
+    Ok(())
+}
+
+/// Writes the answer of `query` for each `pairs[i]` to `out[i]`, with `caches[i]`: for pairs with
+/// parts, and for queries that have no batch of their own.
+///
+/// # Errors
+/// [`BatchError`] if the slices differ in length. Nothing is written in that case.
+///
+/// # Complexity
+/// The sum over the single queries, divided among the threads. No allocation per pair, with caches
+/// [for pairs of parts](Cache::with_pairs).
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let cubes = two_cubes();
+/// use hullmap::batch::{self, Pair};
+/// use hullmap::glam::DVec3;
+/// use hullmap::{Cache, Contact, Pose, Settings};
+///
+/// // Two unit cubes, at x from 0 to 1 and from 3 to 4, and copies of them on top.
+/// let at = |x| Pose::from_translation(DVec3::new(x, 0.0, 0.75));
+/// let pairs = [at(0.0)?, at(2.5)?].map(|b_in_a| Pair { a: &cubes, b: &cubes, b_in_a });
+/// let (mut caches, mut contacts) = (vec![Cache::with_pairs(4); 2], vec![Contact::default(); 2]);
+/// batch::map(&pairs, &mut caches, &mut contacts, |pair, cache| {
+///     hullmap::contact(pair.a, pair.b, pair.b_in_a, &Settings::default(), cache)
+/// })?;
+/// assert!(contacts.iter().all(|contact| (contact.depth - 0.25).abs() < 1e-9));
+/// assert_eq!(contacts[1].parts, [1, 0]);
+/// # Ok(())
+/// # }
+/// ```
+pub fn map<P: Sync, T: Send>(
+    pairs: &[P],
+    caches: &mut [Cache],
+    out: &mut [T],
+    query: impl Fn(&P, &mut Cache) -> T + Sync,
+) -> Result<(), BatchError> {
+    check_lengths(pairs.len(), caches.len(), out.len())?;
+    each(pairs, caches, out, |pair, cache, out| *out = query(pair, cache));
     Ok(())
 }
 

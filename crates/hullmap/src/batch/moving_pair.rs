@@ -3,11 +3,9 @@
 //! They are searched one after the other on each thread: a search makes several queries of the same
 //! two shapes, so there is no memory to wait for after the first.
 
-use super::{BatchError, check_lengths, each};
-use crate::compound::{self, CompoundAnswer, CompoundCache, Parts};
-use crate::continuous::clear::clear as clear_pair;
+use super::{BatchError, map};
 use crate::continuous::{ClearSettings, Clearance, RigidMotion};
-use crate::shapes::Shape;
+use crate::geometry::Geometry;
 use crate::solver::Cache;
 
 /// Two bodies and their motions in a common frame, over the times 0 to 1. For a batch of shapes of
@@ -46,7 +44,8 @@ impl<A: ?Sized, B: ?Sized> Clone for MovingPair<'_, A, B> {
 
 impl<A: ?Sized, B: ?Sized> Copy for MovingPair<'_, A, B> {}
 
-/// Writes whether each `pairs[i]` is [`clear`](crate::clear()) to `out[i]`, using `caches[i]`.
+/// Writes whether each `pairs[i]` is [`clear`](crate::clear()) to `out[i]`, using `caches[i]`. For
+/// pairs with parts, caches may be small: [`Cache::with_pairs(1)`](Cache::with_pairs).
 ///
 /// # Errors
 /// [`BatchError`] if the slices differ in length. Nothing is written in that case.
@@ -81,66 +80,8 @@ pub fn clear<A, B>(
     out: &mut [Clearance],
 ) -> Result<(), BatchError>
 where
-    A: Shape + Sync + ?Sized,
-    B: Shape + Sync + ?Sized,
+    A: Geometry + Sync + ?Sized,
+    B: Geometry + Sync + ?Sized,
 {
-    check_lengths(pairs.len(), caches.len(), out.len())?;
-    each(pairs, caches, out, |pair, cache, out| {
-        *out = clear_pair(pair.a, &pair.motion_a, pair.b, &pair.motion_b, settings, cache);
-    });
-    Ok(())
-}
-
-/// Writes whether each `pairs[i]` of compounds is [`clear`](compound::clear()) to `out[i]`, using
-/// `caches[i]`, which may be small: `CompoundCache::new(1)`.
-///
-/// # Errors
-/// [`BatchError`] if the slices differ in length. Nothing is written in that case.
-///
-/// # Complexity
-/// The sum over the single queries, divided among the threads. No allocation per pair.
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_cubes();
-/// use hullmap::batch::{self, MovingPair};
-/// use hullmap::compound::CompoundAnswer;
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Sphere;
-/// use hullmap::{ClearSettings, Clearance, Compound, CompoundCache, Pose, RigidMotion, Verdict};
-///
-/// // Two unit cubes, at x from 0 to 1 and from 3 to 4, and a ball that falls.
-/// let (cubes, ball) = (Compound::new(&pack), Sphere::new(0.5)?);
-/// let motion_a = RigidMotion::still(Pose::IDENTITY);
-/// let at = |x, z| Pose::from_translation(DVec3::new(x, 0.5, z));
-/// let mut pairs = Vec::new();
-/// for x in [0.5, 2.0] {
-///     let motion_b = RigidMotion::between(at(x, 5.0)?, at(x, -5.0)?)?;
-///     pairs.push(MovingPair { a: &cubes, motion_a, b: &ball, motion_b });
-/// }
-/// let mut caches = vec![CompoundCache::new(1); pairs.len()];
-/// let mut found = vec![CompoundAnswer::<Clearance>::default(); pairs.len()];
-/// batch::clear_compounds(&pairs, &ClearSettings::default(), &mut caches, &mut found)?;
-/// assert_eq!(found[0].answer.verdict, Verdict::Hit);
-/// assert_eq!(found[1].answer.verdict, Verdict::Free);
-/// # Ok(())
-/// # }
-/// ```
-pub fn clear_compounds<A, B>(
-    pairs: &[MovingPair<'_, A, B>],
-    settings: &ClearSettings,
-    caches: &mut [CompoundCache],
-    out: &mut [CompoundAnswer<Clearance>],
-) -> Result<(), BatchError>
-where
-    A: Parts + Sync + ?Sized,
-    B: Parts + Sync + ?Sized,
-{
-    check_lengths(pairs.len(), caches.len(), out.len())?;
-    each(pairs, caches, out, |pair, cache, out| {
-        *out = compound::clear(pair.a, &pair.motion_a, pair.b, &pair.motion_b, settings, cache);
-    });
-    Ok(())
+    map(pairs, caches, out, |pair, cache| crate::clear(pair.a, &pair.motion_a, pair.b, &pair.motion_b, settings, cache))
 }

@@ -1,4 +1,4 @@
-//! Time of impact of compounds that move and turn: the first meeting over all pairs of parts.
+//! Time of impact of parts that move and turn: the first meeting over all pairs of parts.
 //!
 //! # Steps
 //! 1. Visit the pairs of boxes of both trees, those that may meet first before the others. A search
@@ -16,7 +16,6 @@ use super::bvh::{BoxShape, Node, Nodes};
 use super::motion::First;
 use super::parts::Parts;
 use super::traversal::{BoxPairs, Traversal};
-use super::{CompoundAnswer, CompoundCache};
 use crate::continuous::cast_motion::search_pair;
 use crate::continuous::search::{DIRECTIONS, Goal};
 use crate::continuous::{MotionSettings, RigidMotion, TimeOfImpact};
@@ -31,54 +30,19 @@ const ROUGH: Settings = Settings { tolerance: 1e-2, max_iterations: Settings::DE
 
 /// When `a`, which moves by `motion_a`, and `b`, which moves by `motion_b`, first meet.
 ///
-/// As [`cast_motion`](crate::cast_motion()). The answer comes from the pair of parts that meet
-/// first, and its interval contains the time at which the compounds first meet. If the upper bound
-/// is finite, they certainly do, whatever the status.
-///
-/// The limit [`max_iterations`](MotionSettings::max_iterations) is one of all queries of parts and
-/// of boxes together. Compounds of many parts need more than the default. If it is reached, the
-/// lower bound is the earliest time at which a pair that is not decided may meet.
-///
-/// `cache` belongs to this ordered pair of compounds; the query reads and updates it.
-///
 /// # Complexity
-/// Branch and bound: at most 2 G and 2 H boxes and G H searches for compounds of G and H, and
-/// usually only searches for the few pairs that may meet first. No allocation.
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_cubes();
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Sphere;
-/// use hullmap::{Compound, CompoundCache, MotionSettings, Pose, RigidMotion, compound};
-/// use std::f64::consts::FRAC_PI_2;
-///
-/// // Two unit cubes, at x from 0 to 1 and from 3 to 4, turn about the origin, towards a ball.
-/// let (cubes, ball) = (Compound::new(&pack), Sphere::new(0.5)?);
-/// let turning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Z * FRAC_PI_2, DVec3::ZERO)?;
-/// let resting = RigidMotion::still(Pose::from_translation(DVec3::new(0.5, 3.5, 0.5))?);
-/// let (settings, mut cache) = (MotionSettings::default(), CompoundCache::default());
-/// let found = compound::cast_motion(&cubes, &turning, &ball, &resting, &settings, &mut cache);
-/// assert_eq!((found.answer.hit, found.hulls), (true, [1, 0]));
-/// assert!(found.answer.t_lower <= found.answer.t && found.answer.t <= found.answer.t_upper);
-/// # Ok(())
-/// # }
-/// ```
-pub fn cast_motion<A: Parts + ?Sized, B: Parts + ?Sized>(
+/// Branch and bound: usually only searches for the few pairs that may meet first.
+pub(crate) fn cast_motion<A: Parts + ?Sized, B: Parts + ?Sized>(
     a: &A,
-    motion_a: &RigidMotion,
     b: &B,
-    motion_b: &RigidMotion,
+    motions: [&RigidMotion; 2],
     settings: &MotionSettings,
-    cache: &mut CompoundCache,
-) -> CompoundAnswer<TimeOfImpact> {
-    let origin = motion_a.start();
-    let motions = [motion_a, motion_b].map(|motion| motion.relative_to(origin));
+    cache: &mut Cache,
+) -> TimeOfImpact {
+    let origin = motions[0].start();
+    let motions = motions.map(|motion| motion.relative_to(origin));
     let mut bodies = Compounds { a, b, motions, tolerance: settings.tolerance, cache, boxes: Cache::new() };
-    let found = first_meeting(&mut bodies, &mut settings.goal(motions));
-    CompoundAnswer { answer: found.answer.relative_to(origin), ..found }
+    first_meeting(&mut bodies, &mut settings.goal(motions)).relative_to(origin)
 }
 
 /// Two bodies made of parts.
@@ -100,7 +64,7 @@ pub(super) struct Compounds<'q, A: ?Sized, B: ?Sized> {
     /// Relative to A's start.
     pub(super) motions: [RigidMotion; 2],
     pub(super) tolerance: f64,
-    pub(super) cache: &'q mut CompoundCache,
+    pub(super) cache: &'q mut Cache,
     pub(super) boxes: Cache,
 }
 
@@ -182,7 +146,7 @@ impl<T: Bodies> BoxPairs for MovingBoxes<'_, T> {
 }
 
 /// The first meeting of the parts of two bodies.
-pub(super) fn first_meeting<T: Bodies>(bodies: &mut T, goal: &mut Goal) -> CompoundAnswer<TimeOfImpact> {
+pub(super) fn first_meeting<T: Bodies>(bodies: &mut T, goal: &mut Goal) -> TimeOfImpact {
     let is_single = bodies.nodes().iter().all(|nodes| nodes.count() == 1);
     let boxes = MovingBoxes { bodies, goal, until: 1.0, is_single, iterations: 0, support_calls: 0 };
     let (mut first, mut traversal) = (First::default(), Traversal::new(boxes));
@@ -203,25 +167,25 @@ pub(super) fn first_meeting<T: Bodies>(bodies: &mut T, goal: &mut Goal) -> Compo
             first.add(&impact(found), pair);
         }
     }
-    let (pairs, (answer, hulls)) = (first.pairs, first.answer());
     let boxes = traversal.boxes();
     let MovingBoxes { iterations, support_calls, .. } = *traversal.pairs();
-    let mut answer = time_of_impact(answer);
-    if pairs == 0 && answer.status == Status::Separated && boxes == 0 {
+    let mut answer = time_of_impact(first.answer());
+    if first.pairs == 0 && answer.status == Status::Separated && boxes == 0 {
         // Only in a pack that was opened without checks: nothing is known.
         answer = TimeOfImpact::default();
     }
     answer.iterations = answer.iterations.saturating_add(iterations);
     answer.support_calls = answer.support_calls.saturating_add(support_calls);
-    CompoundAnswer { answer, hulls, pairs, boxes }
+    answer
 }
 
 fn impact(found: TimeOfImpact) -> Impact {
-    let TimeOfImpact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, iterations, support_calls } = found;
-    Impact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, iterations, support_calls }
+    let TimeOfImpact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, iterations, support_calls, parts } =
+        found;
+    Impact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, iterations, support_calls, parts }
 }
 
 fn time_of_impact(found: Impact) -> TimeOfImpact {
-    let Impact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, iterations, support_calls } = found;
-    TimeOfImpact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, iterations, support_calls }
+    let Impact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, iterations, support_calls, parts } = found;
+    TimeOfImpact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, iterations, support_calls, parts }
 }

@@ -1,19 +1,19 @@
-//! Queries of a half-space and a compound, by descent of one BVH.
+//! Queries of a half-space and parts, by descent of one BVH. A single shape needs no BVH.
 //!
-//! The lowest part of a compound decides all queries except casts: a cast along a translation tries
+//! The lowest part decides all queries except casts: a cast along a translation tries
 //! each part, and a cast with rotation searches the parts like two compounds.
 
-use super::CompoundAnswer;
+use super::ContactCounts;
 use super::bvh::{Child, Nodes};
 use super::cast_motion::{PlaneAndParts, first_meeting};
-use super::clear::judge_bodies;
 use super::motion::First;
 use super::parts::Parts;
+use crate::continuous::clear::judge;
 use crate::continuous::{ClearSettings, Clearance, MotionSettings, RigidMotion, TimeOfImpact};
 use crate::pose::Pose;
 use crate::shapes::HalfSpace;
 use crate::shapes::half_space::Lowest;
-use crate::solver::{CastSettings, Contact, Distance, Impact, Intersection, Motion};
+use crate::solver::{CastSettings, Contact, Impact, Motion};
 use arrayvec::ArrayVec;
 use glam::DVec3;
 use hullmap_format::bvh::MAX_LEVELS;
@@ -92,247 +92,113 @@ impl<'q> Descent<'q> {
     }
 }
 
+/// The only part of a shape.
+#[inline]
+fn only_part<B: Parts + ?Sized>(b: &B) -> Option<B::Part<'_>> {
+    if b.part_count() == 1 { b.part(0) } else { None }
+}
+
 /// Finds the part of `b` that reaches farthest below the plane, by branch and bound.
-fn lowest<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> CompoundAnswer<Lowest> {
-    let mut best = CompoundAnswer { answer: Lowest::NONE, hulls: [0, 0], pairs: 0, boxes: 0 };
+///
+/// # Complexity
+/// One support query for each part whose box reaches deeper than the deepest part so far. Usually
+/// these are one or two parts.
+#[inline]
+pub(crate) fn lowest<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> Lowest {
+    if let Some(part) = only_part(b) {
+        return a.lowest(&part, b_in_a);
+    }
+    let mut best = Lowest::NONE;
     let mut descent = Descent::new(a, b.nodes(), b_in_a);
-    while let Some(index) = descent.next(best.answer.depth) {
+    while let Some(index) = descent.next(best.depth) {
         let Some(part) = b.part(index) else { continue };
-        let found = a.lowest(&part, b_in_a);
-        best.pairs += 1;
-        let (depth, deepest) = (found.depth, best.answer.depth);
+        let found = a.lowest(&part, b_in_a).of_part(index);
+        let queried = best.support_calls + 1;
         // Ties go to the lowest index, so that the answer does not depend on the shape of the BVH.
         // NaN is deeper than everything, because then nothing is known.
-        if !(depth <= deepest) || depth == deepest && index < best.hulls[1] {
-            best.hulls = [0, index];
-            best.answer = best.answer.wider(found);
-        } else {
-            best.answer = found.wider(best.answer);
-        }
-        if best.answer.depth.is_nan() {
+        let is_lower = !(found.depth <= best.depth) || found.depth == best.depth && found.part < best.part;
+        best = if is_lower { best.wider(found) } else { found.wider(best) };
+        best.support_calls = queried;
+        if best.depth.is_nan() {
             break;
         }
     }
-    best.answer.support_calls = best.pairs;
-    best.boxes = descent.boxes();
     best
 }
 
-/// Contact of the half-space with the part of `b`, placed at `b_in_a`, that reaches farthest into
-/// it. If no part reaches into it, `hit` is false.
-///
-/// Points and normal are in the frame of the half-space. Moving B by the depth along the normal
-/// separates all parts.
-///
-/// # Complexity
-/// Branch and bound: one support query for each part whose box reaches deeper than the deepest part
-/// so far. Usually these are one or two parts; at most, all parts. No allocation.
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_cubes();
-/// use hullmap::compound::half_space;
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::HalfSpace;
-/// use hullmap::{Compound, Pose};
-///
-/// // Two unit cubes, at x from 0 to 1 and from 3 to 4. The wall is at x = 5.
-/// let wall = HalfSpace::new(DVec3::NEG_X, -5.0)?;
-/// let cubes = Compound::new(&pack);
-/// let found = half_space::contact(&wall, &cubes, Pose::from_translation(DVec3::X * 1.5)?);
-/// assert_eq!((found.answer.depth, found.hulls), (0.5, [0, 1]));
-/// # Ok(())
-/// # }
-/// ```
-pub fn contact<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> CompoundAnswer<Contact> {
-    let CompoundAnswer { answer, hulls, pairs, boxes } = lowest(a, b, b_in_a);
-    CompoundAnswer { answer: answer.contact(), hulls, pairs, boxes }
-}
-
-/// Distance between the half-space and `b`, placed at `b_in_a`; 0 if they overlap or touch.
-///
-/// # Complexity
-/// As [`contact`](contact()).
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_cubes();
-/// use hullmap::compound::half_space;
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::HalfSpace;
-/// use hullmap::{Compound, Pose};
-///
-/// // Two unit cubes, at x from 0 to 1 and from 3 to 4. The wall is at x = -2.
-/// let wall = HalfSpace::new(DVec3::X, -2.0)?;
-/// let gap = half_space::distance(&wall, &Compound::new(&pack), Pose::IDENTITY);
-/// assert_eq!((gap.answer.distance, gap.hulls), (2.0, [0, 0]));
-/// # Ok(())
-/// # }
-/// ```
-pub fn distance<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> CompoundAnswer<Distance> {
-    let CompoundAnswer { answer, hulls, pairs, boxes } = lowest(a, b, b_in_a);
-    CompoundAnswer { answer: answer.distance(), hulls, pairs, boxes }
-}
-
-/// Whether the half-space and `b`, placed at `b_in_a`, share a point.
-///
-/// # Complexity
-/// As [`contact`](contact()).
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_cubes();
-/// use hullmap::compound::half_space;
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::HalfSpace;
-/// use hullmap::{Compound, Pose};
-///
-/// let floor = HalfSpace::new(DVec3::Z, 0.0)?;
-/// let above = Pose::from_translation(DVec3::Z)?;
-/// assert!(!half_space::intersects(&floor, &Compound::new(&pack), above).answer.is_hit());
-/// # Ok(())
-/// # }
-/// ```
-pub fn intersects<B: Parts + ?Sized>(a: &HalfSpace, b: &B, b_in_a: Pose) -> CompoundAnswer<Intersection> {
-    let CompoundAnswer { answer, hulls, pairs, boxes } = lowest(a, b, b_in_a);
-    CompoundAnswer { answer: answer.intersection(), hulls, pairs, boxes }
+/// Calls `visit` with the contact of every part of `b` that is not proved separated.
+pub(crate) fn contacts<B: Parts + ?Sized>(
+    a: &HalfSpace,
+    b: &B,
+    b_in_a: Pose,
+    visit: &mut dyn FnMut(&Contact),
+) -> ContactCounts {
+    let (mut counts, mut descent) = (ContactCounts::default(), Descent::new(a, b.nodes(), b_in_a));
+    while let Some(index) = descent.next(0.0) {
+        let Some(part) = b.part(index) else { continue };
+        counts.visit(a.lowest(&part, b_in_a).of_part(index).contact(), visit);
+    }
+    counts.boxes = descent.boxes();
+    counts
 }
 
 /// When `b`, which starts at `b_in_a` and translates by `motion`, first meets the half-space.
 ///
-/// Points and normal are in the frame of the half-space.
-///
 /// # Complexity
-/// One closed form and one support query for each part. No allocation.
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_cubes();
-/// use hullmap::compound::half_space;
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::HalfSpace;
-/// use hullmap::{CastSettings, Compound, Motion, Pose};
-///
-/// // Two unit cubes, at x from 0 to 1 and from 3 to 4. The wall is at x = 6.
-/// let (wall, cubes) = (HalfSpace::new(DVec3::NEG_X, -6.0)?, Compound::new(&pack));
-/// let right = Motion::new(DVec3::X)?;
-/// let impact = half_space::cast(&wall, &cubes, Pose::IDENTITY, right, &CastSettings::default());
-/// assert_eq!(impact.hulls, [0, 1]);
-/// assert!(impact.answer.hit && (impact.answer.t - 2.0).abs() < 1e-12);
-/// # Ok(())
-/// # }
-/// ```
-pub fn cast<B: Parts + ?Sized>(
+/// One closed form and one support query for each part.
+#[inline]
+pub(crate) fn cast<B: Parts + ?Sized>(
     a: &HalfSpace,
     b: &B,
     b_in_a: Pose,
     motion: Motion,
     settings: &CastSettings,
-) -> CompoundAnswer<Impact> {
+) -> Impact {
+    if let Some(part) = only_part(b) {
+        return a.lowest(&part, b_in_a).impact(motion, settings);
+    }
     let mut first = First::default();
     for index in 0..b.part_count() {
         if let Some(part) = b.part(index) {
-            first.add(&a.cast(&part, b_in_a, motion, settings), [0, index]);
+            first.add(&a.lowest(&part, b_in_a).impact(motion, settings), [0, index]);
         }
     }
-    let is_known = first.pairs > 0;
-    let (answer, hulls) = first.answer();
-    let answer = if is_known { answer } else { Impact::default() };
-    CompoundAnswer { answer, hulls, pairs: first.pairs, boxes: 0 }
+    if first.pairs > 0 { first.answer() } else { Impact::default() }
 }
 
 /// When `b`, which moves by `motion_b`, first meets the half-space, which moves by `motion_a`.
 ///
-/// As [`compound::cast_motion`](super::cast_motion()). The normal is always the plane's, and points
-/// and normal are in the common frame of the motions.
-///
 /// # Complexity
-/// Branch and bound: a search for each part that may reach the plane first. No allocation.
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_cubes();
-/// use hullmap::compound::half_space;
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::HalfSpace;
-/// use hullmap::{Compound, MotionSettings, Pose, RigidMotion};
-/// use std::f64::consts::FRAC_PI_2;
-///
-/// // Two unit cubes, at x from 0 to 1 and from 3 to 4. They turn towards the wall at y = 3.
-/// let (wall, cubes) = (HalfSpace::new(DVec3::NEG_Y, -3.0)?, Compound::new(&pack));
-/// let turning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Z * FRAC_PI_2, DVec3::ZERO)?;
-/// let resting = RigidMotion::still(Pose::IDENTITY);
-/// let found = half_space::cast_motion(&wall, &resting, &cubes, &turning, &MotionSettings::default());
-/// // The corner at (4, 1).
-/// let angle = (3.0 / 17.0_f64.sqrt()).asin() - 0.25_f64.atan();
-/// assert_eq!(found.hulls, [0, 1]);
-/// assert!(found.answer.hit && (found.answer.t - angle / FRAC_PI_2).abs() < 1e-5);
-/// # Ok(())
-/// # }
-/// ```
-pub fn cast_motion<B: Parts + ?Sized>(
+/// Branch and bound: a search for each part that may reach the plane first.
+pub(crate) fn cast_motion<B: Parts + ?Sized>(
     a: &HalfSpace,
-    motion_a: &RigidMotion,
     b: &B,
-    motion_b: &RigidMotion,
+    [motion_a, motion_b]: [&RigidMotion; 2],
     settings: &MotionSettings,
-) -> CompoundAnswer<TimeOfImpact> {
+) -> TimeOfImpact {
     let origin = motion_b.start();
     let motions = [motion_a, motion_b].map(|motion| motion.relative_to(origin));
-    let mut bodies = PlaneAndParts { plane: a, b, motions, tolerance: settings.tolerance };
-    let found = first_meeting(&mut bodies, &mut settings.goal(motions));
-    CompoundAnswer { answer: found.answer.relative_to(origin), ..found }
+    let (tolerance, goal) = (settings.tolerance, &mut settings.goal(motions));
+    let found = match only_part(b) {
+        Some(part) => a.search(&part, motions, tolerance, goal, [0.0, 1.0]),
+        None => first_meeting(&mut PlaneAndParts { plane: a, b, motions, tolerance }, goal),
+    };
+    found.relative_to(origin)
 }
 
 /// Whether `b`, which moves by `motion_b`, stays farther than a margin from the half-space, which
 /// moves by `motion_a`, and the least distance that is proven.
-///
-/// As [`compound::clear`](super::clear()). If the motion hits, `hulls` is `[0, i]` for the part i
-/// that meets the half-space first.
-///
-/// # Complexity
-/// The same as for [`cast_motion`]; twice as much for a free motion if
-/// [`share`](ClearSettings::share) is not 0. No allocation.
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_cubes();
-/// use hullmap::compound::half_space;
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::HalfSpace;
-/// use hullmap::{ClearSettings, Compound, Pose, RigidMotion, Verdict};
-///
-/// // Two unit cubes, at x from 0 to 1 and from 3 to 4, that move along the wall at y = 3.
-/// let (wall, cubes) = (HalfSpace::new(DVec3::NEG_Y, -3.0)?, Compound::new(&pack));
-/// let along = RigidMotion::between(Pose::IDENTITY, Pose::from_translation(DVec3::X * 9.0)?)?;
-/// let resting = RigidMotion::still(Pose::IDENTITY);
-/// let found = half_space::clear(&wall, &resting, &cubes, &along, &ClearSettings::default()).answer;
-/// assert_eq!(found.verdict, Verdict::Free);
-/// assert!(1.0 <= found.clearance && found.clearance <= 2.0);
-/// # Ok(())
-/// # }
-/// ```
-pub fn clear<B: Parts + ?Sized>(
+pub(crate) fn clear<B: Parts + ?Sized>(
     a: &HalfSpace,
-    motion_a: &RigidMotion,
     b: &B,
-    motion_b: &RigidMotion,
+    [motion_a, motion_b]: [&RigidMotion; 2],
     settings: &ClearSettings,
-) -> CompoundAnswer<Clearance> {
+) -> Clearance {
     let origin = motion_b.start();
     let motions = [motion_a, motion_b].map(|motion| motion.relative_to(origin));
-    let mut bodies = PlaneAndParts { plane: a, b, motions, tolerance: settings.motion.tolerance };
-    judge_bodies(&mut bodies, motions, settings)
+    let tolerance = settings.motion.tolerance;
+    judge(settings, motions, |goal| match only_part(b) {
+        Some(part) => a.search(&part, motions, tolerance, goal, [0.0, 1.0]),
+        None => first_meeting(&mut PlaneAndParts { plane: a, b, motions, tolerance }, goal),
+    })
 }

@@ -12,7 +12,6 @@
 //! 4. Pairs that no longer touch leave their entries.
 
 use super::bvh::{Node, Placement};
-use super::cache::CompoundCache;
 use super::half_space::Descent;
 use super::joined::Joined;
 use super::near::{NearParts, NearTriangles};
@@ -22,20 +21,20 @@ use super::sheet::{BesideSheet, CandidatePair};
 use super::traversal::Traversal;
 use crate::manifold::{Manifold, ManifoldSettings};
 use crate::pose::Pose;
-use crate::shapes::HalfSpace;
+use crate::shapes::{HalfSpace, Shape};
 use crate::solver::{Cache, Contact, Scratch};
 use crate::support::SupportMap;
 use glam::DVec3;
 
-/// Contact manifolds of two compounds, or of a compound and a shape: caller-owned memory of one
-/// ordered pair (A, B).
+/// Contact manifolds of two geometries, one for each pair of parts that touch: caller-owned memory
+/// of one ordered pair (A, B).
 ///
 /// Parts *touch* if they have manifold points: they overlap, or are separated by at most the
 /// prediction. Points and normals are in A's frame, as in [`Manifold`]. Each point is on the
 /// surfaces of the two parts of its pair, also where its normal is corrected.
 ///
 /// It holds a [`Manifold`] and a [`Cache`] for each pair of parts that touch, about 2 KB, and a
-/// [`CompoundCache`] for the other pairs. All memory is allocated by [`new`](Self::new).
+/// cache for the other pairs. All memory is allocated by [`new`](Self::new).
 ///
 /// # Examples
 /// A step of an engine: update, then read and write all points.
@@ -76,7 +75,7 @@ pub struct CompoundManifolds {
     order: Box<[usize]>,
     used: usize,
     /// Solver caches of pairs without an entry.
-    others: CompoundCache,
+    others: Cache,
     /// Lent by the caller, and passed to the cache in use.
     scratch: Option<Box<Scratch>>,
     welds: bool,
@@ -142,7 +141,7 @@ impl CompoundManifolds {
             entries: vec![Entry::default(); pairs].into_boxed_slice(),
             order: (0..pairs).collect(),
             used: 0,
-            others: CompoundCache::new(2 * pairs),
+            others: Cache::with_pairs(2 * pairs),
             scratch: None,
             welds: true,
             body: SmallerBody::default(),
@@ -156,17 +155,25 @@ impl CompoundManifolds {
         self.welds = welds;
     }
 
-    /// Updates the manifolds of all pairs of parts of `a` and `b`, with `b` placed at `b_in_a`.
-    ///
-    /// Afterwards every pair of parts that touches has a manifold, as from [`Manifold::update`],
-    /// unless it was dropped. Manifolds of the last frame keep what the caller stored in their
-    /// points.
-    ///
-    /// # Complexity
-    /// Compares all pairs of boxes within the prediction of each other, with one
-    /// [`Manifold::update`] for each pair of parts in such leaves: at most G H for G and H parts.
-    /// Finding the entry of a pair takes logarithmic time. No allocation.
-    pub fn update<A: Parts + ?Sized, B: Parts + ?Sized>(
+    /// [`update`](Self::update) for two convex shapes, which have one manifold.
+    #[inline(always)]
+    pub(crate) fn update_shapes<A: Shape + ?Sized, B: Shape + ?Sized>(
+        &mut self,
+        a: &A,
+        b: &B,
+        b_in_a: Pose,
+        settings: &ManifoldSettings,
+    ) -> ManifoldCounts {
+        let mut frame = self.start();
+        let center_b = b_in_a.transform_point(b.interior_point());
+        let balls = [(a.interior_point(), a.outer_radius()), (center_b, b.outer_radius())];
+        self.body = SmallerBody::choose(balls, settings);
+        self.visit(&mut frame, [0, 0], |manifold, cache| manifold.update(a, b, b_in_a, settings, cache));
+        self.finish(frame)
+    }
+
+    /// [`update`](Self::update) for two geometries, at least one of which has parts.
+    pub(crate) fn update_parts<A: Parts + ?Sized, B: Parts + ?Sized>(
         &mut self,
         a: &A,
         b: &B,
@@ -278,31 +285,7 @@ impl CompoundManifolds {
     }
 
     /// [`update`](Self::update) for a half-space as A, which has one part.
-    ///
-    /// # Complexity
-    /// One [`Manifold::update_half_space`] for each part of `b` whose box is within the prediction
-    /// of the half-space. No allocation.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// # let pack = two_cubes();
-    /// use hullmap::compound::CompoundManifolds;
-    /// use hullmap::glam::DVec3;
-    /// use hullmap::shapes::HalfSpace;
-    /// use hullmap::{Compound, ManifoldSettings, Pose};
-    ///
-    /// let (floor, cubes) = (HalfSpace::new(DVec3::Z, 0.0)?, Compound::new(&pack));
-    /// let mut manifolds = CompoundManifolds::new(8);
-    /// let b_in_a = Pose::from_translation(DVec3::new(0.0, 0.0, -0.001))?;
-    /// let settings = ManifoldSettings::default();
-    /// assert_eq!(manifolds.update_half_space(&floor, &cubes, b_in_a, &settings).touching, 2);
-    /// assert!(manifolds.iter().all(|(_, manifold)| manifold.points().len() == 4));
-    /// # Ok(())
-    /// # }
-    /// ```
-    pub fn update_half_space<B: Parts + ?Sized>(
+    pub(crate) fn update_half_space<B: Parts + ?Sized>(
         &mut self,
         a: &HalfSpace,
         b: &B,
@@ -322,6 +305,15 @@ impl CompoundManifolds {
         }
         frame.counts.boxes = descent.boxes();
         self.finish(frame)
+    }
+
+    /// Exchanges A and B, for B in the frame of A at this pose.
+    pub(crate) fn exchange(&mut self, b_in_a: Pose) {
+        for entry in &mut self.entries {
+            entry.pair.reverse();
+            entry.manifold.exchange(b_in_a);
+        }
+        self.body.center = b_in_a.transform_point(self.body.center);
     }
 
     #[expect(clippy::indexing_slicing, reason = "`order` is a permutation of the entries; `used` is within")]

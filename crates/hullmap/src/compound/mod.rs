@@ -1,42 +1,23 @@
-//! Compound shapes: queries between the unions of the hulls of two packs, by dual-tree traversal of
-//! their BVHs. Either side may also be a single shape of any kind.
+//! Geometries with parts: queries by dual-tree traversal of their BVHs. Either side may also be a
+//! single shape of any kind.
 //!
-//! A concave mesh is baked as convex parts, and the pack of its parts is a compound shape. The BVHs
-//! in the packs find the pairs of hulls to query. The answers are the same as when every pair is
-//! queried. [`CompoundManifolds`] keeps a contact manifold for every pair of parts that touch. Its
-//! normals are normals of the union: [`seams`] corrects normals at edges between parts, where
-//! bodies would otherwise stumble. [`BodyManifold`] chooses at most eight of all their points.
+//! A concave mesh is baked as convex parts, and the pack of its parts is a compound. The parts of a
+//! triangle mesh and of a height field are their triangles. The BVHs find the pairs of parts to
+//! query. The answers are the same as when every pair is queried. [`CompoundManifolds`] keeps a
+//! contact manifold for every pair of parts that touch. Its normals are normals of the union:
+//! [`seams`] corrects normals at edges between parts, where bodies would otherwise stumble.
+//! [`BodyManifold`] chooses at most eight of all their points.
 //!
 //! # Complexity
 //! A query of compounds with G and H parts compares at most (2 G − 1) (2 H − 1) pairs of boxes, and
 //! queries each pair of parts at most once. If few boxes overlap, as on decomposed meshes that
 //! touch, that is about log G + log H pairs of boxes for each pair of parts that touch.
 //!
-//! If all boxes overlap, [`contact`], [`contacts`] and manifolds query all G H pairs, because every
-//! pair may be in contact. [`intersects`] and [`distance`] end at the first pair that overlaps. If
-//! no pair does, [`intersects`] queries them all. No order of the tests avoids that. Against a
+//! If all boxes overlap, `contact`, `contacts` and manifolds query all G H pairs, because every
+//! pair may be in contact. `intersects` and `distance` end at the first pair that overlaps. If
+//! no pair does, `intersects` queries them all. No order of the tests avoids that. Against a
 //! single shape the work is at most proportional to G. Bake with fewer parts (`--max-parts`),
 //! or with less overlap, if that is too slow.
-//!
-//! # Examples
-//! A pack of two unit cubes, 3 apart, against a copy of itself:
-//! ```
-//! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! # let pack = two_cubes();
-//! use hullmap::glam::DVec3;
-//! use hullmap::{Compound, CompoundCache, Pose, Settings, compound};
-//!
-//! let cubes = Compound::new(&pack);
-//! let b_in_a = Pose::from_translation(DVec3::new(3.25, 0.125, 0.0))?;
-//! let mut cache = CompoundCache::default();
-//! let deepest = compound::contact(&cubes, &cubes, b_in_a, &Settings::default(), &mut cache)
-//!     .ok_or("no contact")?;
-//! assert_eq!(deepest.hulls, [1, 0]);
-//! assert!((deepest.answer.depth - 0.75).abs() < 1e-9);
-//! # Ok(())
-//! # }
-//! ```
 //!
 //! # Reference
 //! Dual-tree traversal: Ericson, "Real-Time Collision Detection", 2005, section 6.3; Gottschalk,
@@ -47,41 +28,35 @@
 
 mod body_manifold;
 mod bvh;
-mod cache;
-mod cast_motion;
-mod clear;
-pub mod half_space;
+pub(crate) mod cast_motion;
+pub(crate) mod clear;
+pub(crate) mod half_space;
 mod joined;
 mod manifolds;
 mod members;
-mod motion;
+pub(crate) mod motion;
 mod near;
 mod one_sided;
 mod parts;
 pub mod seams;
 mod shared_sheet;
 mod sheet;
-mod signed_distance;
+pub(crate) mod signed_distance;
 mod surface;
 mod traversal;
 
-use crate::cascade::{self, Stages};
+use crate::cascade;
 use crate::pose::Pose;
-use crate::solver::{Contact, Distance, Intersection, Overlap, Settings, Status, queries};
+use crate::solver::{Cache, Contact, Distance, Intersection, Overlap, Settings, Status, queries};
 pub use body_manifold::{BodyManifold, BodyPoint, MAX_BODY_POINTS};
 use bvh::Placement;
-pub use cache::CompoundCache;
-pub use cast_motion::cast_motion;
-pub use clear::clear;
 pub use joined::{Joined, Tile};
 pub use manifolds::{CompoundManifolds, ManifoldCounts};
 pub use members::Compound;
-pub use motion::{cast, ray};
 pub use one_sided::OneSided;
 pub use parts::Parts;
 pub use shared_sheet::SharedSheet;
 use sheet::CandidatePair;
-pub use signed_distance::signed_distance;
 pub use surface::{SurfaceError, surface_distance};
 use traversal::Traversal;
 
@@ -96,98 +71,56 @@ const NOTHING_KNOWN: Distance = Distance {
     point_b: glam::DVec3::ZERO,
     iterations: 0,
     support_calls: 0,
+    parts: [0; 2],
     features: [u32::MAX; 2],
 };
 
-/// Answer of a query of compounds. See the [module's example](self).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct CompoundAnswer<T> {
-    /// Answer for the pair of hulls that decided the query. Its iterations and support calls are
-    /// the sums over all pairs.
-    pub answer: T,
-    /// Indices of these hulls in A and in B; 0 on the side of a single shape.
-    pub hulls: [usize; 2],
-    /// Number of pairs of hulls queried. Triangles that an axis rules out do not count.
-    pub pairs: u32,
-    /// Number of pairs of boxes compared.
-    pub boxes: u32,
+/// Indices of two parts, as answers have them.
+fn indices(pair: [usize; 2]) -> [u32; 2] {
+    pair.map(|index| index as u32)
 }
 
 /// Tests whether `a` and `b`, placed at `b_in_a`, share a point.
 ///
-/// The status is the strongest over all pairs of hulls: overlapping, then touching, then undecided,
-/// then separated. `hulls` is a pair with that status. If all are separated, it is the last pair
-/// queried, or the first two hulls if no pair was queried.
-///
-/// `cache` belongs to this ordered pair of compounds; the query reads and updates it.
-///
 /// # Complexity
 /// Starts with the pair that decided the last query, and ends at the first pair that overlaps.
-/// Separated compounds cost all pairs of overlapping boxes, and the pairs of hulls in overlapping
-/// leaves: at most G H pairs of hulls for compounds of G and H. No allocation.
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_cubes();
-/// use hullmap::glam::DVec3;
-/// use hullmap::{Compound, CompoundCache, Overlap, Pose, compound};
-///
-/// let cubes = Compound::new(&pack);
-/// let mut cache = CompoundCache::default();
-/// // B's left cube fits into the gap between A's cubes.
-/// let between = Pose::from_translation(DVec3::new(1.5, 0.0, 0.0))?;
-/// let found = compound::intersects(&cubes, &cubes, between, &mut cache);
-/// assert_eq!(found.answer.status, Overlap::Separated);
-/// # Ok(())
-/// # }
-/// ```
-pub fn intersects<A: Parts + ?Sized, B: Parts + ?Sized>(
+/// Otherwise all pairs of overlapping boxes, and the pairs of parts in overlapping leaves.
+pub(crate) fn intersects<A: Parts + ?Sized, B: Parts + ?Sized>(
     a: &A,
     b: &B,
     b_in_a: Pose,
-    cache: &mut CompoundCache,
-) -> CompoundAnswer<Intersection> {
-    let answer = Intersection { status: Overlap::Separated, iterations: 0, support_calls: 0 };
-    let mut best = CompoundAnswer { answer, hulls: [0, 0], pairs: 0, boxes: 0 };
-    let query = |best: &mut CompoundAnswer<Intersection>, pair: [usize; 2], cache: &mut CompoundCache| {
-        let found = if let (Some(a), Some(b)) = (a.part_as_hull(pair[0]), b.part_as_hull(pair[1])) {
-            cascade::intersects(&a, &b, b_in_a, Stages::default(), cache.pair(pair)).intersection
-        } else if let Some(parts) =
-            CandidatePair::new(a, b, pair, b_in_a).filter(|parts| !parts.is_behind() && !parts.is_apart(0.0))
-        {
-            queries::intersects(&parts.a, &parts.b, b_in_a, cache.pair(pair))
-        } else {
+    cache: &mut Cache,
+) -> Intersection {
+    let mut best = Intersection { status: Overlap::Separated, ..Intersection::default() };
+    let query = |best: &mut Intersection, pair: [usize; 2], cache: &mut Cache| {
+        let Some(parts) = CandidatePair::new(a, b, pair, b_in_a) else { return };
+        if parts.is_behind() || parts.is_apart(0.0) {
             return;
-        };
-        best.pairs += 1;
-        best.answer.iterations += found.iterations;
-        best.answer.support_calls += found.support_calls;
-        if strength(found.status) >= strength(best.answer.status) {
-            (best.answer.status, best.hulls) = (found.status, pair);
+        }
+        let found = cascade::intersects(&parts.a, &parts.b, b_in_a, cache.pair(pair));
+        best.iterations += found.iterations;
+        best.support_calls += found.support_calls;
+        if strength(found.status) >= strength(best.status) {
+            (best.status, best.parts) = (found.status, indices(pair));
         }
     };
     let first = cache.first([a.part_count(), b.part_count()]);
     if let Some(pair) = first {
         query(&mut best, pair, cache);
-        if best.answer.status == Overlap::Overlapping {
+        if best.status == Overlap::Overlapping {
             return best;
         }
     }
     let mut traversal = Traversal::new(Placement::new(a.nodes(), b.nodes(), b_in_a));
-    while let Some(pair) = traversal.next(0.0) {
-        if Some(pair) == first {
-            continue;
-        }
-        query(&mut best, pair, cache);
-        if best.answer.status == Overlap::Overlapping {
-            break;
+    while best.status != Overlap::Overlapping
+        && let Some(pair) = traversal.next(0.0)
+    {
+        if Some(pair) != first {
+            query(&mut best, pair, cache);
         }
     }
-    best.boxes = traversal.boxes();
-    if best.answer.is_hit() {
-        cache.set_first(best.hulls);
+    if best.is_hit() {
+        cache.set_first(best.parts.map(|part| part as usize));
     }
     best
 }
@@ -202,51 +135,23 @@ fn strength(status: Overlap) -> u8 {
     }
 }
 
-/// Distance between two compounds; 0 if any pair of hulls overlaps.
-///
-/// Points, normal and distance belong to the nearest pair. The interval contains the distance of
-/// the compounds: no pair is nearer than `lower`, and the distance of some pair is at most `upper`.
-/// The status is the status of the nearest pair, unless another pair's interval makes the whole
-/// wider than the settings allow. Then it is the status of that other pair.
-///
-/// `cache` belongs to this ordered pair of compounds; the query reads and updates it.
+/// Distance between two geometries; 0 if any pair of parts overlaps.
 ///
 /// # Complexity
 /// Branch and bound. Starts with the nearest pair of the last query, and visits only boxes nearer
-/// than the nearest pair so far, nearest first: at most G H pairs of hulls for compounds of G and
-/// H. No allocation.
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_cubes();
-/// use hullmap::glam::DVec3;
-/// use hullmap::{Compound, CompoundCache, Pose, Settings, compound};
-///
-/// let cubes = Compound::new(&pack);
-/// let mut cache = CompoundCache::default();
-/// let b_in_a = Pose::from_translation(DVec3::new(6.0, 0.0, 0.0))?;
-/// let gap = compound::distance(&cubes, &cubes, b_in_a, &Settings::default(), &mut cache);
-/// // A's right cube and B's left cube.
-/// assert_eq!(gap.hulls, [1, 0]);
-/// assert!((gap.answer.distance - 2.0).abs() < 1e-12);
-/// # Ok(())
-/// # }
-/// ```
-pub fn distance<A: Parts + ?Sized, B: Parts + ?Sized>(
+/// than the nearest pair so far, nearest first.
+pub(crate) fn distance<A: Parts + ?Sized, B: Parts + ?Sized>(
     a: &A,
     b: &B,
     b_in_a: Pose,
     settings: &Settings,
-    cache: &mut CompoundCache,
-) -> CompoundAnswer<Distance> {
+    cache: &mut Cache,
+) -> Distance {
     let mut search =
         Nearest { a, b, b_in_a, settings, best: None, lower: (f64::INFINITY, Status::Exact), upper: f64::INFINITY };
-    let (mut pairs, mut iterations, mut support_calls) = (0, 0, 0);
-    let mut query = |search: &mut Nearest<A, B>, pair: [usize; 2], cache: &mut CompoundCache| {
+    let (mut iterations, mut support_calls) = (0, 0);
+    let mut query = |search: &mut Nearest<A, B>, pair: [usize; 2], cache: &mut Cache| {
         if let Some(found) = search.query(pair, cache) {
-            pairs += 1;
             iterations += found.iterations;
             support_calls += found.support_calls;
         }
@@ -261,10 +166,9 @@ pub fn distance<A: Parts + ?Sized, B: Parts + ?Sized>(
             query(&mut search, pair, cache);
         }
     }
-    let (mut answer, hulls) = search.answer();
-    (answer.iterations, answer.support_calls) = (iterations, support_calls);
-    cache.set_first(hulls);
-    CompoundAnswer { answer, hulls, pairs, boxes: traversal.boxes() }
+    let (answer, pair) = search.answer();
+    cache.set_first(pair);
+    Distance { iterations, support_calls, parts: indices(pair), ..answer }
 }
 
 /// Branch-and-bound search for the nearest pair.
@@ -281,7 +185,7 @@ struct Nearest<'q, A: ?Sized, B: ?Sized> {
 }
 
 impl<A: Parts + ?Sized, B: Parts + ?Sized> Nearest<'_, A, B> {
-    fn query(&mut self, pair: [usize; 2], cache: &mut CompoundCache) -> Option<Distance> {
+    fn query(&mut self, pair: [usize; 2], cache: &mut Cache) -> Option<Distance> {
         let CandidatePair { a, b, .. } = CandidatePair::new(self.a, self.b, pair, self.b_in_a)
             .filter(|parts| self.upper == f64::INFINITY || !parts.is_apart(self.upper))?;
         let found = queries::distance(&a, &b, self.b_in_a, self.settings, cache.pair(pair));
@@ -312,44 +216,19 @@ impl<A: Parts + ?Sized, B: Parts + ?Sized> Nearest<'_, A, B> {
     }
 }
 
-/// Calls `visit` with the contact of every pair of hulls that is not proved separated.
-///
-/// `visit` receives the indices of the hulls in A and in B, and their
-/// [`contact`](crate::contact()). The order follows the traversal, and is the same for the same
-/// input. Returns the number of contacts and the cost.
-///
-/// `cache` belongs to this ordered pair of compounds; the query reads and updates it.
+/// Calls `visit` with the contact of every pair of parts that is not proved separated, and returns
+/// the number of contacts and the cost.
 ///
 /// # Complexity
-/// All pairs of overlapping boxes, and one contact query for each pair of hulls in overlapping
-/// leaves: G H of them if all overlap, for compounds of G and H hulls. No allocation.
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_cubes();
-/// use hullmap::glam::DVec3;
-/// use hullmap::{Compound, CompoundCache, Pose, Settings, compound};
-///
-/// let cubes = Compound::new(&pack);
-/// let mut cache = CompoundCache::default();
-/// let above = Pose::from_translation(DVec3::new(0.0, 0.0, 0.875))?;
-/// let mut depths = Vec::new();
-/// let visit = |_: [usize; 2], contact: &hullmap::Contact| depths.push(contact.depth);
-/// let counts = compound::contacts(&cubes, &cubes, above, &Settings::default(), &mut cache, visit);
-/// assert_eq!(counts.hits, 2);
-/// assert!(depths.iter().all(|depth| (depth - 0.125).abs() < 1e-12));
-/// # Ok(())
-/// # }
-/// ```
-pub fn contacts<A: Parts + ?Sized, B: Parts + ?Sized>(
+/// All pairs of overlapping boxes, and one contact query for each pair of parts in overlapping
+/// leaves.
+pub(crate) fn contacts<A: Parts + ?Sized, B: Parts + ?Sized>(
     a: &A,
     b: &B,
     b_in_a: Pose,
     settings: &Settings,
-    cache: &mut CompoundCache,
-    mut visit: impl FnMut([usize; 2], &Contact),
+    cache: &mut Cache,
+    visit: &mut dyn FnMut(&Contact),
 ) -> ContactCounts {
     let mut traversal = Traversal::new(Placement::new(a.nodes(), b.nodes(), b_in_a));
     let mut sum = ContactCounts::default();
@@ -359,88 +238,60 @@ pub fn contacts<A: Parts + ?Sized, B: Parts + ?Sized>(
             continue;
         }
         let found = parts.contact(settings, cache.pair(pair));
-        sum.pairs += 1;
-        sum.iterations += found.iterations;
-        sum.support_calls += found.support_calls;
-        if found.hit {
-            sum.hits += 1;
-            visit(pair, &found);
-        }
+        sum.visit(Contact { parts: indices(pair), ..found }, visit);
     }
     sum.boxes = traversal.boxes();
     sum
 }
 
-/// Number of contacts that [`contacts`] visited, and the cost. See the example there.
+/// Number of contacts that [`contacts`](crate::contacts()) visited, and the cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ContactCounts {
-    /// Number of pairs of hulls not proved separated: the calls of `visit`.
+    /// Number of pairs of parts not proved separated: the calls of `visit`.
     pub hits: u32,
-    /// Number of pairs of hulls queried.
+    /// Number of pairs of parts queried.
     pub pairs: u32,
     /// Number of pairs of boxes compared.
     pub boxes: u32,
-    /// Solver iterations, summed over all pairs of hulls.
+    /// Solver iterations, summed over all pairs of parts.
     pub iterations: u32,
-    /// Pairs of support queries, summed over all pairs of hulls.
+    /// Pairs of support queries, summed over all pairs of parts.
     pub support_calls: u32,
 }
 
-/// Contact of the pair of hulls with the maximum penetration depth; `None` if all pairs are proved
-/// separated.
-///
-/// The interval contains the maximum depth of any pair: `depth_lower` is the maximum lower bound
-/// over all pairs, `depth_upper` the maximum upper bound. Moving B by less than `depth_lower` in
-/// any direction leaves the compounds overlapping. Moving it by `depth_upper` along `normal`
-/// separates this pair; other pairs may still overlap then, or begin to.
-///
-/// `cache` belongs to this ordered pair of compounds; the query reads and updates it.
-///
-/// # Complexity
-/// As [`contacts`].
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_cubes();
-/// use hullmap::glam::DVec3;
-/// use hullmap::{Compound, CompoundCache, Pose, Settings, compound};
-///
-/// let cubes = Compound::new(&pack);
-/// let mut cache = CompoundCache::default();
-/// let above = Pose::from_translation(DVec3::new(0.0, 0.0, 0.75))?;
-/// let deepest = compound::contact(&cubes, &cubes, above, &Settings::default(), &mut cache)
-///     .ok_or("no contact")?;
-/// assert!((deepest.answer.depth - 0.25).abs() < 1e-12);
-/// assert_eq!(deepest.answer.normal, DVec3::Z);
-///
-/// let far = Pose::from_translation(DVec3::new(0.0, 0.0, 9.0))?;
-/// assert!(compound::contact(&cubes, &cubes, far, &Settings::default(), &mut cache).is_none());
-/// # Ok(())
-/// # }
-/// ```
-pub fn contact<A: Parts + ?Sized, B: Parts + ?Sized>(
+impl ContactCounts {
+    /// Counts the contact of a pair, and visits it if it is a hit.
+    pub(crate) fn visit(&mut self, found: Contact, visit: &mut dyn FnMut(&Contact)) {
+        self.pairs += 1;
+        self.iterations += found.iterations;
+        self.support_calls += found.support_calls;
+        if found.hit {
+            self.hits += 1;
+            visit(&found);
+        }
+    }
+}
+
+/// Contact of the pair of parts with the maximum penetration depth; not a hit if all pairs are
+/// proved separated.
+pub(crate) fn contact<A: Parts + ?Sized, B: Parts + ?Sized>(
     a: &A,
     b: &B,
     b_in_a: Pose,
     settings: &Settings,
-    cache: &mut CompoundCache,
-) -> Option<CompoundAnswer<Contact>> {
-    let mut deepest: Option<(Contact, [usize; 2])> = None;
-    let (mut lower, mut upper) = (0.0_f64, 0.0_f64);
-    let sum = contacts(a, b, b_in_a, settings, cache, |pair, found| {
-        (lower, upper) = (lower.max(found.depth_lower), upper.max(found.depth_upper));
+    cache: &mut Cache,
+) -> Contact {
+    let mut deepest = Contact::SEPARATED_PARTS;
+    let (mut depth_lower, mut depth_upper) = (0.0_f64, 0.0_f64);
+    let counts = contacts(a, b, b_in_a, settings, cache, &mut |found| {
+        (depth_lower, depth_upper) = (depth_lower.max(found.depth_lower), depth_upper.max(found.depth_upper));
         // Ties go to the lowest indices, so that the answer does not depend on the shape of the
         // BVHs.
-        let is_deeper =
-            deepest.is_none_or(|(best, hulls)| found.depth > best.depth || found.depth == best.depth && pair < hulls);
-        if is_deeper {
-            deepest = Some((*found, pair));
+        let is_as_deep = found.depth == deepest.depth && found.parts < deepest.parts;
+        if !deepest.hit || found.depth > deepest.depth || is_as_deep {
+            deepest = *found;
         }
     });
-    let (answer, hulls) = deepest?;
-    let (iterations, support_calls) = (sum.iterations, sum.support_calls);
-    let answer = Contact { depth_lower: lower, depth_upper: upper, iterations, support_calls, ..answer };
-    Some(CompoundAnswer { answer, hulls, pairs: sum.pairs, boxes: sum.boxes })
+    let ContactCounts { iterations, support_calls, .. } = counts;
+    Contact { depth_lower, depth_upper, iterations, support_calls, ..deepest }
 }

@@ -34,10 +34,10 @@ use crate::shapes::triangle::VisitTriangle;
 /// A ball that has sunk into a floor to its middle, and a little farther:
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// use hullmap::compound::{self, OneSided};
+/// use hullmap::compound::OneSided;
 /// use hullmap::glam::DVec3;
 /// use hullmap::shapes::Sphere;
-/// use hullmap::{CastSettings, CompoundCache, Pose, Ray, Settings, TriangleMesh};
+/// use hullmap::{Cache, CastSettings, Pose, Ray, Settings, TriangleMesh};
 /// # use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 /// # let positions = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0], [-9.0, 9.0, 0.0]];
 /// # let corners = [[0, 1, 2], [0, 2, 3]];
@@ -45,18 +45,18 @@ use crate::shapes::triangle::VisitTriangle;
 /// # let file = write_triangle_mesh(baked, &Default::default())?;
 ///
 /// let (ground, ball) = (TriangleMesh::from_bytes(&file)?, Sphere::new(0.5)?);
-/// let (floor, settings, mut cache) = (OneSided::new(&ground), Settings::default(), CompoundCache::default());
+/// let (floor, settings, mut cache) = (OneSided::new(&ground), Settings::default(), Cache::new());
 /// let mut contact = |z: f64| -> Result<_, Box<dyn std::error::Error>> {
 ///     let at = Pose::from_translation(DVec3::new(1.0, 2.0, z))?;
-///     Ok(compound::contact(&floor, &ball, at, &settings, &mut cache).map(|found| found.answer))
+///     Ok(hullmap::contact(&floor, &ball, at, &settings, &mut cache))
 /// };
-/// let above = contact(0.001)?.ok_or("no contact")?;
+/// let above = contact(0.001)?;
 /// assert!(above.normal.distance(DVec3::Z) < 1e-6 && (above.depth - 0.499).abs() < 1e-6);
-/// assert!(contact(-0.001)?.is_none());
+/// assert!(!contact(-0.001)?.hit);
 ///
 /// let up = Ray::new(DVec3::new(1.0, 2.0, -5.0), DVec3::Z)?;
-/// assert!(compound::ray(&ground, &up, &CastSettings::default()).answer.hit);
-/// assert!(!compound::ray(&floor, &up, &CastSettings::default()).answer.hit);
+/// assert!(hullmap::ray(&ground, &up, &CastSettings::default()).hit);
+/// assert!(!hullmap::ray(&floor, &up, &CastSettings::default()).hit);
 /// # Ok(())
 /// # }
 /// ```

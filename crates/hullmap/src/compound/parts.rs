@@ -1,4 +1,4 @@
-//! Arguments of compound queries: a compound, a triangle mesh, a height field, or a single shape.
+//! What queries of parts take: a compound, a triangle mesh, a height field, or a single shape.
 
 use super::bvh::Nodes;
 use super::members::Compound;
@@ -10,28 +10,8 @@ use crate::shapes::{Shape, Triangle};
 use crate::triangle_mesh::TriangleMesh;
 use glam::DVec3;
 
-/// One side of a query: a [`Compound`], a [`TriangleMesh`] or a [`HeightField`], whose parts are
-/// their triangles, or any [`Shape`], which counts as a compound of one part.
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_cubes();
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Sphere;
-/// use hullmap::{Compound, CompoundCache, Pose, Settings, compound};
-///
-/// // Two unit cubes, at x from 0 to 1 and from 3 to 4, and a ball between them.
-/// let (cubes, ball) = (Compound::new(&pack), Sphere::new(0.5)?);
-/// let b_in_a = Pose::from_translation(DVec3::new(2.25, 0.5, 0.5))?;
-/// let mut cache = CompoundCache::default();
-/// let gap = compound::distance(&cubes, &ball, b_in_a, &Settings::default(), &mut cache);
-/// assert!((gap.answer.distance - 0.25).abs() < 1e-12);
-/// assert_eq!(gap.hulls, [1, 0]);
-/// # Ok(())
-/// # }
-/// ```
+/// What has parts: a [`Compound`], whose parts are its hulls; a [`TriangleMesh`] or a
+/// [`HeightField`], whose parts are their triangles; and any [`Shape`], as its only part.
 pub trait Parts: Tree {}
 
 impl<T: Tree + ?Sized> Parts for T {}
@@ -50,8 +30,7 @@ pub trait Tree {
     /// triangle in a hole.
     fn part(&self, index: usize) -> Option<Self::Part<'_>>;
 
-    /// The part with this index as a hull, if it is a hull of a pack: the cascade has more stages
-    /// for hulls.
+    /// The part with this index as a hull, if it is a hull of a pack.
     fn part_as_hull(&self, index: usize) -> Option<Hull<'_>> {
         let _ = index;
         None

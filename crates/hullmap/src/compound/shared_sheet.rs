@@ -20,7 +20,7 @@ use crate::triangle_mesh::TriangleMesh;
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// use std::sync::Arc;
 ///
-/// use hullmap::compound::{self, SharedSheet};
+/// use hullmap::compound::SharedSheet;
 /// use hullmap::glam::DVec3;
 /// use hullmap::{CastSettings, Ray, TriangleMesh};
 /// # use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
@@ -30,7 +30,7 @@ use crate::triangle_mesh::TriangleMesh;
 ///
 /// let level = SharedSheet::Mesh(Arc::new(TriangleMesh::from_bytes(&file)?));
 /// let down = Ray::new(DVec3::new(1.0, -2.0, 5.0), DVec3::NEG_Z)?;
-/// assert_eq!(compound::ray(&level, &down, &CastSettings::default()).answer.t, 5.0);
+/// assert_eq!(hullmap::ray(&level, &down, &CastSettings::default()).t, 5.0);
 /// # Ok(())
 /// # }
 /// ```

@@ -91,13 +91,11 @@ impl<'p, A: Parts + ?Sized, B: Parts + ?Sized> CandidatePair<'p, A, B> {
         let iterations = found.iterations;
         let found = if let Some(front) = self.fronts[0].filter(|own| *own == front) {
             let Ok(behind) = HalfSpace::through(self.a.interior_point(), front) else { return found };
-            behind.contact(&self.b, self.b_in_a)
+            behind.lowest(&self.b, self.b_in_a).contact()
         } else {
             let Some(own) = self.fronts[1] else { return found };
             let Ok(behind) = HalfSpace::through(self.b.interior_point(), own) else { return found };
-            let swapped = behind.contact(&self.a, self.b_in_a.inverse());
-            let [point_a, point_b] = [swapped.point_b, swapped.point_a].map(|p| self.b_in_a.transform_point(p));
-            Contact { normal: front, point_a, point_b, ..swapped }
+            behind.lowest(&self.a, self.b_in_a.inverse()).contact().exchanged(self.b_in_a)
         };
         Contact { iterations: found.iterations + iterations, ..found }
     }

@@ -16,8 +16,7 @@
 use glam::DVec3;
 
 use super::signed_distance::signed_distance;
-use super::{CompoundAnswer, CompoundCache};
-use crate::solver::{Settings, SignedDistance, VectorError};
+use crate::solver::{Cache, Settings, SignedDistance, VectorError};
 use crate::triangle_mesh::winding::{Place, TINY};
 use crate::triangle_mesh::{OpenSurface, TriangleMesh};
 
@@ -27,14 +26,14 @@ use crate::triangle_mesh::{OpenSurface, TriangleMesh};
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// use hullmap::glam::DVec3;
-/// use hullmap::{CompoundCache, Settings, TriangleMesh, compound};
+/// use hullmap::{Cache, Settings, TriangleMesh, compound};
 /// # use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 /// # let positions = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0]];
 /// # let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners: &[[0, 1, 2]], materials: &[] })?;
 /// # let file = write_triangle_mesh(baked, &Default::default())?;
 ///
 /// let sheet = TriangleMesh::from_bytes(&file)?;
-/// let error = compound::surface_distance(&sheet, DVec3::ONE, &Settings::default(), &mut CompoundCache::default());
+/// let error = compound::surface_distance(&sheet, DVec3::ONE, &Settings::default(), &mut Cache::new());
 /// assert_eq!(
 ///     error.unwrap_err().to_string(),
 ///     "the surface is not closed: an edge of triangle 0 (0 in the source) is a border; close the mesh, or ask for \
@@ -62,15 +61,14 @@ pub enum SurfaceError {
 ///
 /// The interval contains this distance, and its sign is exact: it is decided without rounding, also
 /// for points above edges and corners. `point` of the answer is the nearest point of the surface,
-/// and `normal` the gradient of the distance, at distance 0 a normal of a triangle there. `hulls`
-/// has the index of the triangle first.
+/// and `normal` the gradient of the distance, at distance 0 a normal of a triangle there.
 ///
 /// Lengths are in the mesh's unit, points and directions in its frame. `cache` belongs to the mesh
 /// and to points near this one; the query reads and updates it.
 ///
 /// # Errors
 /// [`SurfaceError::Open`] if the mesh has an edge that not exactly two triangles share, front
-/// beside front, and [`SurfaceError::Point`] as for [`signed_distance`](super::signed_distance()).
+/// beside front, and [`SurfaceError::Point`] as for [`signed_distance`](crate::signed_distance()).
 ///
 /// # Complexity
 /// Branch and bound for the nearest triangle, and one descent of the tree along an axis for the
@@ -80,7 +78,7 @@ pub enum SurfaceError {
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// use hullmap::glam::DVec3;
-/// use hullmap::{CompoundCache, Settings, TriangleMesh, compound};
+/// use hullmap::{Cache, Settings, TriangleMesh, compound};
 /// # use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 /// # let positions = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]];
 /// # let corners = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
@@ -89,10 +87,10 @@ pub enum SurfaceError {
 ///
 /// // A tetrahedron with corners at the origin and 4 along each axis.
 /// let mesh = TriangleMesh::from_bytes(&file)?;
-/// let (settings, mut cache) = (Settings::default(), CompoundCache::default());
+/// let (settings, mut cache) = (Settings::default(), Cache::new());
 /// let mut at = |x: f64| compound::surface_distance(&mesh, DVec3::new(x, 1.0, 1.0), &settings, &mut cache);
-/// assert!((at(0.25)?.answer.distance + 0.25).abs() < 1e-12);
-/// let outside = at(-2.0)?.answer;
+/// assert!((at(0.25)?.distance + 0.25).abs() < 1e-12);
+/// let outside = at(-2.0)?;
 /// assert!((outside.distance - 2.0).abs() < 1e-12 && outside.normal.distance(DVec3::NEG_X) < 1e-12);
 /// # Ok(())
 /// # }
@@ -101,18 +99,17 @@ pub fn surface_distance(
     mesh: &TriangleMesh,
     point: DVec3,
     settings: &Settings,
-    cache: &mut CompoundCache,
-) -> Result<CompoundAnswer<SignedDistance>, SurfaceError> {
+    cache: &mut Cache,
+) -> Result<SignedDistance, SurfaceError> {
     mesh.check_closed()?;
-    let mut found = signed_distance(mesh, point, settings, cache)?;
-    let answer = &mut found.answer;
+    let mut answer = signed_distance(mesh, point, settings, cache)?;
     // A triangle has no inside. Beside it, the nearest point gives the gradient.
     (answer.distance, answer.lower) = (answer.distance.max(0.0), answer.lower.max(0.0));
     answer.upper = answer.upper.max(0.0) + TINY;
     match mesh.place(point) {
         Place::On => {
             (answer.distance, answer.lower) = (0.0, 0.0);
-            if let Some(normal) = mesh.normal(found.hulls[0]) {
+            if let Some(normal) = mesh.normal(answer.part as usize) {
                 answer.normal = normal;
             }
         }
@@ -122,5 +119,5 @@ pub fn surface_distance(
         }
         Place::Around(_) => {}
     }
-    Ok(found)
+    Ok(answer)
 }

@@ -43,50 +43,17 @@ impl Default for MotionSettings {
     }
 }
 
-/// When `a`, which moves by `motion_a`, and `b`, which moves by `motion_b`, first meet.
-///
-/// Motions are in a common frame, over the times 0 to 1. `cache` belongs to this ordered pair; the
-/// query reads and updates it.
-///
-/// # Complexity
-/// 2 to 8 distance queries for most pairs, and about four times as many support queries; bounded by
-/// `settings`. No allocation.
-///
-/// # Reference
-/// Mirtich 1996 (conservative advancement). docs/contributors/intervals.md proves the interval.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Cuboid;
-/// use hullmap::{Cache, MotionSettings, Pose, RigidMotion, Status, cast_motion};
-/// use std::f64::consts::FRAC_PI_2;
-///
-/// // A rod of length 2 turns by 90 degrees, towards a wall whose side is at y = 0.6.
-/// let rod = Cuboid::new(DVec3::new(1.0, 0.01, 0.01))?;
-/// let wall = Cuboid::new(DVec3::new(5.0, 0.1, 5.0))?;
-/// let quarter = DVec3::Z * FRAC_PI_2;
-/// let turning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, quarter, DVec3::ZERO)?;
-/// let still = RigidMotion::still(Pose::from_translation(DVec3::new(0.0, 0.7, 0.0))?);
-/// let settings = MotionSettings::default();
-/// let found = cast_motion(&rod, &turning, &wall, &still, &settings, &mut Cache::new());
-/// // The corner at (1, 0.01) reaches y = 0.6.
-/// let angle = (0.6 / 1.0001_f64.sqrt()).asin() - 0.01_f64.atan();
-/// assert_eq!(found.status, Status::Within);
-/// assert!((found.t - angle / FRAC_PI_2).abs() < 1e-5 && found.iterations < 20);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn cast_motion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// [`cast_motion`](crate::cast_motion()) of two convex shapes.
+pub(crate) fn cast_motion<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &A,
-    motion_a: &RigidMotion,
     b: &B,
-    motion_b: &RigidMotion,
+    motions: [&RigidMotion; 2],
     settings: &MotionSettings,
     cache: &mut Cache,
 ) -> TimeOfImpact {
     // Coordinates relative to A's start have more digits than coordinates far from the origin.
-    let origin = motion_a.start();
-    let motions = [motion_a, motion_b].map(|motion| motion.relative_to(origin));
+    let origin = motions[0].start();
+    let motions = motions.map(|motion| motion.relative_to(origin));
     let mut goal = settings.goal(motions);
     search_pair((a, b), motions, &DIRECTIONS, settings.tolerance, &mut goal, [0.0, 1.0], cache).relative_to(origin)
 }

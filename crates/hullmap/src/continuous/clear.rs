@@ -105,6 +105,9 @@ pub struct Clearance {
     pub iterations: u32,
     /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
+    /// The parts of A and of B that meet first if the motion hits, by index: hulls of a compound,
+    /// triangles of a mesh or a field. 0 otherwise, and for a shape without parts.
+    pub parts: [u32; 2],
 }
 
 impl Default for Clearance {
@@ -119,60 +122,21 @@ impl Default for Clearance {
             t_upper: f64::INFINITY,
             iterations: 0,
             support_calls: 0,
+            parts: [0; 2],
         }
     }
 }
 
-/// Whether `a`, which moves by `motion_a`, and `b`, which moves by `motion_b`, stay farther apart
-/// than a margin, and the least distance that is proven.
-///
-/// Motions are in a common frame, over the times 0 to 1. `cache` belongs to this ordered pair; the
-/// query reads and updates it.
-///
-/// # Complexity
-/// The same as for [`cast_motion`](crate::cast_motion()); twice as much for a free motion if
-/// [`share`](ClearSettings::share) is not 0. No allocation.
-///
-/// # Reference
-/// Schwarzer, Saha, Latombe, "Adaptive dynamic collision checking for single and multiple
-/// articulated robots in complex environments", 2005, for motions that are proven instead of
-/// sampled.
-/// docs/contributors/intervals.md, section 15, proves the bounds.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::{DQuat, DVec3};
-/// use hullmap::shapes::{Cuboid, Sphere};
-/// use hullmap::{Cache, ClearSettings, Pose, RigidMotion, Verdict, clear};
-/// use std::f64::consts::FRAC_PI_2;
-///
-/// // A rod of length 2 turns by 90 degrees, past a ball that its end does not reach.
-/// let (rod, ball) = (Cuboid::new(DVec3::new(1.0, 0.01, 0.01))?, Sphere::new(0.25)?);
-/// let end = Pose::new(DVec3::ZERO, DQuat::from_rotation_z(FRAC_PI_2))?;
-/// let turning = RigidMotion::between(Pose::IDENTITY, end)?;
-/// let at = |x: f64| Pose::from_translation(DVec3::new(x, x, 0.0)).map(RigidMotion::still);
-/// let settings = ClearSettings::default();
-/// let found = clear(&rod, &turning, &ball, &at(1.0)?, &settings, &mut Cache::new());
-/// assert_eq!(found.verdict, Verdict::Free);
-/// // The centre is √2 from the axis.
-/// let least = 2.0_f64.sqrt() - 0.25 - 1.0001_f64.sqrt();
-/// assert!(0.5 * least < found.clearance && found.clearance <= least);
-///
-/// let found = clear(&rod, &turning, &ball, &at(0.7)?, &settings, &mut Cache::new());
-/// assert_eq!(found.verdict, Verdict::Hit);
-/// assert!(found.t_lower < found.t_upper && found.t_upper < 0.5);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn clear<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// [`clear`](crate::clear()) of two convex shapes.
+pub(crate) fn clear<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &A,
-    motion_a: &RigidMotion,
     b: &B,
-    motion_b: &RigidMotion,
+    motions: [&RigidMotion; 2],
     settings: &ClearSettings,
     cache: &mut Cache,
 ) -> Clearance {
-    let origin = motion_a.start();
-    let motions = [motion_a, motion_b].map(|motion| motion.relative_to(origin));
+    let origin = motions[0].start();
+    let motions = motions.map(|motion| motion.relative_to(origin));
     let tolerance = settings.motion.tolerance;
     judge(settings, motions, |goal| search_pair((a, b), motions, &DIRECTIONS, tolerance, goal, [0.0, 1.0], cache))
 }
@@ -184,12 +148,13 @@ pub(crate) fn judge(
     mut search: impl FnMut(&mut Goal) -> TimeOfImpact,
 ) -> Clearance {
     let mut goal = settings.motion.goal(motions);
-    let TimeOfImpact { hit, status, t_lower, t_upper, iterations, support_calls, .. } = search(&mut goal);
+    let TimeOfImpact { hit, status, t_lower, t_upper, iterations, support_calls, parts, .. } = search(&mut goal);
     let nearest = goal.nearest;
     let answer = Clearance { status, nearest, t_lower, t_upper, iterations, support_calls, ..Clearance::default() };
     if hit {
         let is_met = t_upper < f64::INFINITY;
-        return Clearance { verdict: if is_met { Verdict::Hit } else { Verdict::Open }, ..answer };
+        let (verdict, parts) = if is_met { (Verdict::Hit, parts) } else { (Verdict::Open, [0; 2]) };
+        return Clearance { verdict, parts, ..answer };
     }
     let clearance = goal.clearance;
     let mut answer = Clearance { verdict: Verdict::Free, status: Status::Within, clearance, ..answer };

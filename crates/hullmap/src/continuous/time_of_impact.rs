@@ -41,6 +41,9 @@ pub struct TimeOfImpact {
     pub iterations: u32,
     /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
+    /// The parts of A and of B that decided the answer, by index: hulls of a compound, triangles of
+    /// a mesh or a field. 0 for a shape without parts.
+    pub parts: [u32; 2],
 }
 
 impl Default for TimeOfImpact {
@@ -57,6 +60,7 @@ impl Default for TimeOfImpact {
             point_b: DVec3::ZERO,
             iterations: 0,
             support_calls: 0,
+            parts: [0; 2],
         }
     }
 }
@@ -74,7 +78,14 @@ impl TimeOfImpact {
         point_b: DVec3::ZERO,
         iterations: 0,
         support_calls: 0,
+        parts: [0; 2],
     };
+
+    /// The same answer with A and B exchanged.
+    pub(crate) fn exchanged(self) -> Self {
+        let Self { point_a, point_b, parts: [of_a, of_b], .. } = self;
+        Self { normal: -self.normal, point_a: point_b, point_b: point_a, parts: [of_b, of_a], ..self }
+    }
 
     /// The answer, with its points moved to the frame in which `origin` is the origin of the frame
     /// that they are in.

@@ -23,7 +23,7 @@
 //! use hullmap::glam::DVec3;
 //! use hullmap::height_field::{Diagonal, Layout};
 //! use hullmap::shapes::Sphere;
-//! use hullmap::{CompoundCache, HeightField, Pose, Settings, compound};
+//! use hullmap::{Cache, HeightField, Pose, Settings};
 //! use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
 //!
 //! // A ramp of two cells: 4 long, 1 wide, 2 high.
@@ -39,9 +39,9 @@
 //!
 //! let (ball, settings) = (Sphere::new(0.5)?, Settings::default());
 //! let above = DVec3::new(3.0, 0.5, ground.height) + 0.75 * ground.normal;
-//! let mut cache = CompoundCache::default();
-//! let gap = compound::distance(&ramp, &ball, Pose::from_translation(above)?, &settings, &mut cache);
-//! assert!((gap.answer.distance - 0.25).abs() < 1e-9);
+//! let mut cache = Cache::new();
+//! let gap = hullmap::distance(&ramp, &ball, Pose::from_translation(above)?, &settings, &mut cache);
+//! assert!((gap.distance - 0.25).abs() < 1e-9);
 //! # Ok(())
 //! # }
 //! ```

@@ -254,6 +254,10 @@ impl SupportMap for SharedHull {
         self.hull().facets()
     }
 
+    fn stored_bounds(&self) -> Option<[DVec3; 2]> {
+        self.hull().stored_bounds()
+    }
+
     #[inline]
     fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
         SupportMap::support_point_from(self.hull(), dir, hint)

@@ -304,6 +304,10 @@ impl SupportMap for Hull<'_> {
         Some(Facets::of_hull(self.facets?, self))
     }
 
+    fn stored_bounds(&self) -> Option<[DVec3; 2]> {
+        Some(self.bounds().map(Vec3::as_dvec3))
+    }
+
     /// # Complexity
     /// One dot product for each edge at the vertex, of at most [`MAX_LEVEL_EDGES`].
     fn level_edges(&self, feature: u32, dir: DVec3, tangent: f64) -> Option<LevelEdges> {

@@ -67,7 +67,7 @@ impl Manifold {
     ) -> Contact {
         let reach = b.outer_radius();
         let prediction = settings.prediction.length(reach);
-        let contact = a.contact(b, b_in_a);
+        let contact = a.lowest(b, b_in_a).contact();
         let normal = contact.normal;
         let signed = (contact.point_a - contact.point_b).dot(normal);
         let depth = if contact.hit { contact.depth } else { signed };

@@ -24,28 +24,23 @@ use glam::DVec3;
 /// Everything below a plane: the points p with `normal` · p ≤ `offset`. Unbounded, for floors and
 /// walls.
 ///
-/// It is always A, the first shape of a pair: normals point out of it, and answers are in its
-/// frame. If the half-space is B in your program, pass the inverse pose. No query needs a cache. Of
-/// their settings, `cast` and `ray` use only [`max_t`](CastSettings::max_t).
-/// [`Manifold::update_half_space`](crate::Manifold::update_half_space) finds the contact points.
+/// Queries of a half-space need no cache, and of their settings, `cast` and `ray` use only
+/// [`max_t`](CastSettings::max_t). The normal of an answer is always the plane's. Two half-spaces
+/// have no common query: the answer claims nothing.
 ///
 /// # Examples
 /// ```
 /// use hullmap::glam::{DQuat, DVec3};
 /// use hullmap::shapes::{Cuboid, HalfSpace};
-/// use hullmap::{Overlap, Pose, Status};
+/// use hullmap::{Cache, Pose, Settings, Status};
 ///
-/// let floor = HalfSpace::new(DVec3::Z, 0.0)?;
-/// let cube = Cuboid::new(DVec3::ONE)?;
+/// let (floor, cube) = (HalfSpace::new(DVec3::Z, 0.0)?, Cuboid::new(DVec3::ONE)?);
 /// // The cube stands on an edge, which reaches √2 below its centre.
 /// let tilted = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_4);
-/// let c = floor.contact(&cube, Pose::new(DVec3::new(5.0, 0.0, 1.0), tilted)?);
-/// assert!(c.hit && (c.depth - (2_f64.sqrt() - 1.0)).abs() < 1e-12);
-/// assert_eq!((c.normal, c.status), (DVec3::Z, Status::Exact));
-///
-/// let above = Pose::from_translation(DVec3::new(0.0, 0.0, 1.5))?;
-/// assert_eq!(floor.distance(&cube, above).distance, 0.5);
-/// assert_eq!(floor.intersects(&cube, above).status, Overlap::Separated);
+/// let at = Pose::new(DVec3::new(5.0, 0.0, 1.0), tilted)?;
+/// let contact = hullmap::contact(&floor, &cube, at, &Settings::default(), &mut Cache::new());
+/// assert!(contact.hit && (contact.depth - (2_f64.sqrt() - 1.0)).abs() < 1e-12);
+/// assert_eq!((contact.normal, contact.status), (DVec3::Z, Status::Exact));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,6 +87,8 @@ pub(crate) struct Lowest {
     upper: f64,
     point_b: DVec3,
     pub(crate) support_calls: u32,
+    /// Index of the shape among the parts that it is one of.
+    pub(crate) part: u32,
 }
 
 impl Lowest {
@@ -103,7 +100,13 @@ impl Lowest {
         upper: f64::NEG_INFINITY,
         point_b: DVec3::ZERO,
         support_calls: 0,
+        part: 0,
     };
+
+    /// The same point, of a part.
+    pub(crate) fn of_part(self, index: usize) -> Self {
+        Self { part: index as u32, ..self }
+    }
 
     /// `lower`, with an interval that contains the depth of the lower of two shapes.
     pub(crate) fn wider(self, lower: Self) -> Self {
@@ -125,7 +128,12 @@ impl Lowest {
     }
 
     pub(crate) fn intersection(&self) -> Intersection {
-        Intersection { status: self.overlap(), iterations: self.support_calls, support_calls: self.support_calls }
+        Intersection {
+            status: self.overlap(),
+            iterations: self.support_calls,
+            support_calls: self.support_calls,
+            parts: [0, self.part],
+        }
     }
 
     pub(crate) fn contact(&self) -> Contact {
@@ -140,6 +148,7 @@ impl Lowest {
             point_b: self.point_b,
             iterations: self.support_calls,
             support_calls: self.support_calls,
+            parts: [0, self.part],
             ..Contact::default()
         };
         let none = Contact { depth: 0.0, depth_lower: 0.0, ..found };
@@ -152,7 +161,7 @@ impl Lowest {
     }
 
     /// When the shape reaches the plane by this motion.
-    fn impact(&self, motion: Motion, settings: &CastSettings) -> Impact {
+    pub(crate) fn impact(&self, motion: Motion, settings: &CastSettings) -> Impact {
         // All times are in the unit of the scaled velocity, except those in the answer.
         let (velocity, scale) = motion.scaled();
         let (limit, latest) = (settings.limit() / scale, f64::MAX / scale);
@@ -167,9 +176,20 @@ impl Lowest {
         let at = |t: f64, t_lower: f64, t_upper: f64, status: Status| {
             let point_b = self.point_b + velocity * t;
             let height = -self.depth - speed * t;
-            let (point_a, support_calls) = (point_b - self.normal * height, self.support_calls);
-            let ([t, t_lower, t_upper], normal) = ([t, t_lower, t_upper].map(|t| t * scale), self.normal);
-            Impact { hit: true, status, t, t_lower, t_upper, normal, point_a, point_b, iterations: 1, support_calls }
+            let [t, t_lower, t_upper] = [t, t_lower, t_upper].map(|t| t * scale);
+            Impact {
+                hit: true,
+                status,
+                t,
+                t_lower,
+                t_upper,
+                normal: self.normal,
+                point_a: point_b - self.normal * height,
+                point_b,
+                iterations: 1,
+                support_calls: self.support_calls,
+                parts: [0, self.part],
+            }
         };
         let miss = Impact {
             hit: false,
@@ -206,6 +226,7 @@ impl Lowest {
             point_b: self.point_b,
             iterations: self.support_calls,
             support_calls: self.support_calls,
+            parts: [0, self.part],
             ..Distance::default()
         };
         let none = Distance { distance: 0.0, lower: 0.0, ..found };
@@ -280,107 +301,17 @@ impl HalfSpace {
         // The point belongs to the shape. Only whether it is the lowest depends on the support
         // error.
         let (lower, upper) = (depth - m.noise() - offset_error, depth + m.rounding_error() + offset_error);
-        Lowest { normal: self.normal, depth, lower, upper, point_b: vertex.b(), support_calls: 1 }
+        Lowest { normal: self.normal, depth, lower, upper, point_b: vertex.b(), support_calls: 1, part: 0 }
     }
 
-    /// Whether the half-space and `b`, placed at `b_in_a`, share a point.
-    ///
-    /// # Complexity
-    /// One support query. No allocation.
-    pub fn intersects<B: SupportMap + ?Sized>(&self, b: &B, b_in_a: Pose) -> Intersection {
-        self.lowest(b, b_in_a).intersection()
-    }
-
-    /// Contact of the half-space and `b`, placed at `b_in_a`. The normal is the plane's.
-    ///
-    /// `point_b` is the deepest point of `b`, and `point_a` its projection onto the plane, also if
-    /// they are separated. The interval is as narrow as rounding error allows.
-    ///
-    /// # Complexity
-    /// One support query. No allocation.
-    pub fn contact<B: SupportMap + ?Sized>(&self, b: &B, b_in_a: Pose) -> Contact {
-        self.lowest(b, b_in_a).contact()
-    }
-
-    /// Distance between the half-space and `b`, placed at `b_in_a`; 0 if they overlap or touch. The
-    /// normal is the plane's. If they overlap, both points are the lowest point of `b`.
-    ///
-    /// # Complexity
-    /// One support query. No allocation.
-    pub fn distance<B: SupportMap + ?Sized>(&self, b: &B, b_in_a: Pose) -> Distance {
-        self.lowest(b, b_in_a).distance()
-    }
-}
-
-impl HalfSpace {
-    /// When `b`, which starts at `b_in_a` and translates by `motion`, first meets the half-space.
-    ///
-    /// As [`cast`](crate::cast()). The normal is always the plane's. A hit so close to `max_t` that
-    /// rounding error decides has the status [`Touching`](Status::Touching).
-    ///
-    /// # Complexity
-    /// One support query. No allocation.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::glam::DVec3;
-    /// use hullmap::shapes::{HalfSpace, Sphere};
-    /// use hullmap::{CastSettings, Motion, Pose};
-    ///
-    /// let (floor, ball) = (HalfSpace::new(DVec3::Z, 0.0)?, Sphere::new(0.5)?);
-    /// let start = Pose::from_translation(DVec3::new(0.0, 0.0, 2.5))?;
-    /// let falling = Motion::new(DVec3::new(1.0, 0.0, -4.0))?;
-    /// let impact = floor.cast(&ball, start, falling, &CastSettings::default());
-    /// assert!(impact.hit && (impact.t - 0.5).abs() < 1e-12);
-    /// assert!(impact.point_b.distance(DVec3::new(0.5, 0.0, 0.0)) < 1e-12);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn cast<B: SupportMap + ?Sized>(&self, b: &B, b_in_a: Pose, motion: Motion, settings: &CastSettings) -> Impact {
-        self.lowest(b, b_in_a).impact(motion, settings)
-    }
-
-    /// Where `ray` first enters the half-space. As [`ray`](crate::ray()); the normal is always the
-    /// normal of the plane.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::glam::DVec3;
-    /// use hullmap::shapes::HalfSpace;
-    /// use hullmap::{CastSettings, Ray, Status};
-    ///
-    /// let floor = HalfSpace::new(DVec3::Z, 1.0)?;
-    /// let down = Ray::new(DVec3::new(2.0, 3.0, 5.0), DVec3::new(0.0, 0.0, -2.0))?;
-    /// let hit = floor.ray(&down, &CastSettings::default());
-    /// assert_eq!((hit.t, hit.point), (2.0, DVec3::new(2.0, 3.0, 1.0)));
-    /// let level = Ray::new(DVec3::new(2.0, 3.0, 5.0), DVec3::X)?;
-    /// assert!(!floor.ray(&level, &CastSettings { max_t: 1e9, ..CastSettings::default() }).hit);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn ray(&self, ray: &Ray, settings: &CastSettings) -> RayHit {
+    /// Where `ray` first enters the half-space.
+    pub(crate) fn ray(&self, ray: &Ray, settings: &CastSettings) -> RayHit {
         let found = self.lowest(&Foot(DVec3::ZERO), Pose::from_checked(ray.origin())).impact(ray.motion(), settings);
-        let Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = found;
-        let point = if hit { ray.point_at(t) } else { ray.origin() };
-        RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls }
+        found.ray_hit(if found.hit { ray.point_at(found.t) } else { ray.origin() })
     }
 
-    /// Signed distance of `point` from the plane: positive outside, negative inside. As
-    /// [`signed_distance`](crate::signed_distance()).
-    ///
-    /// # Errors
-    /// A component of `point` is NaN, infinite, or beyond
-    /// [`MAX_TRANSLATION`](crate::pose::MAX_TRANSLATION).
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::glam::DVec3;
-    /// use hullmap::shapes::HalfSpace;
-    ///
-    /// let floor = HalfSpace::new(DVec3::Z, 1.0)?;
-    /// let below = floor.signed_distance(DVec3::new(4.0, 0.0, -1.0))?;
-    /// assert_eq!((below.distance, below.point), (-2.0, DVec3::new(4.0, 0.0, 1.0)));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn signed_distance(&self, point: DVec3) -> Result<SignedDistance, VectorError> {
+    /// Signed distance of `point` from the plane.
+    pub(crate) fn signed_distance(&self, point: DVec3) -> Result<SignedDistance, VectorError> {
         let found = self.lowest(&Foot(DVec3::ZERO), Pose::from_checked(checked("point", point)?));
         let status = if found.overlap() == Overlap::Touching { Status::Touching } else { Status::Exact };
         Ok(SignedDistance {
@@ -392,6 +323,7 @@ impl HalfSpace {
             normal: self.normal,
             iterations: 1,
             support_calls: 1,
+            part: 0,
         })
     }
 }
@@ -425,12 +357,12 @@ mod tests {
             let plane = HalfSpace::new(normal, 3.0 * size).unwrap();
             // The centre of the ball is its radius above the plane, up to rounding error.
             let pose = Pose::new(normal * (3.0 * size + 0.8), turn).unwrap();
-            assert_eq!(plane.intersects(&ball, pose).status, Overlap::Touching);
-            let (c, d) = (plane.contact(&ball, pose), plane.distance(&ball, pose));
+            assert_eq!(plane.lowest(&ball, pose).intersection().status, Overlap::Touching);
+            let (c, d) = (plane.lowest(&ball, pose).contact(), plane.lowest(&ball, pose).distance());
             assert_eq!((c.status, c.hit, c.depth), (Status::Touching, true, 0.0));
             assert_eq!((d.status, d.lower, d.distance), (Status::Touching, 0.0, 0.0));
             assert!(d.upper < 1e-13 * (1.0 + size) && c.depth_upper < 1e-13 * (1.0 + size));
-            let raised = plane.distance(&cube, Pose::from_translation(normal * (3.0 * size + 5.0)).unwrap());
+            let raised = plane.lowest(&cube, Pose::from_translation(normal * (3.0 * size + 5.0)).unwrap()).distance();
             assert!(raised.status == Status::Exact && raised.lower > 0.0);
             assert!((raised.point_b - raised.point_a).dot(normal) > 0.99 * raised.distance);
         }
@@ -440,9 +372,9 @@ mod tests {
     #[test]
     fn nan_is_undecided() {
         let half = HalfSpace::new(DVec3::Z, 0.0).unwrap();
-        let nan = Foot(DVec3::NAN);
-        assert_eq!(half.intersects(&nan, Pose::IDENTITY).status, Overlap::Undecided);
-        let (c, d) = (half.contact(&nan, Pose::IDENTITY), half.distance(&nan, Pose::IDENTITY));
+        let lowest = half.lowest(&Foot(DVec3::NAN), Pose::IDENTITY);
+        assert_eq!(lowest.intersection().status, Overlap::Undecided);
+        let (c, d) = (lowest.contact(), lowest.distance());
         assert!(c.hit && c.depth_lower == 0.0 && c.depth_upper == f64::INFINITY && c.status == Status::Stalled);
         assert!(d.lower == 0.0 && d.upper == f64::INFINITY && d.status == Status::Stalled);
     }

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::cache::Cache;
 use super::minkowski::Minkowski;
 use super::status::Status;
+use crate::pose::Pose;
 use crate::support::SupportMap;
 use crate::vector::unit;
 
@@ -26,7 +27,8 @@ pub struct Contact {
     pub depth_lower: f64,
     /// Upper bound of the penetration depth, with allowance for rounding error.
     pub depth_upper: f64,
-    /// Unit vector from A to B. A separating axis if the shapes are separated.
+    /// Unit vector from A to B. A separating axis if two convex shapes are separated. NaN, as the
+    /// points, if parts are: they have no common one.
     pub normal: DVec3,
     /// Witness point: the point of A that is deepest in B. If the shapes are separated, some point
     /// of A; [`distance`](crate::distance()) computes the closest one.
@@ -44,6 +46,9 @@ pub struct Contact {
     pub iterations: u32,
     /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
+    /// The parts of A and of B that decided the answer, by index: hulls of a compound, triangles of
+    /// a mesh or a field. 0 for a shape without parts.
+    pub parts: [u32; 2],
     /// Features of a point of A and of a point of B in their support planes along the normal; the
     /// greatest number if they are not known.
     #[doc(hidden)]
@@ -61,6 +66,36 @@ const DEEPER: f64 = 1e-6;
 const WIDTHS: f64 = 64.0;
 
 impl Contact {
+    /// The contact of two geometries that are separated, though no single plane separates them.
+    pub(crate) const SEPARATED_PARTS: Self = Self {
+        hit: false,
+        status: Status::Separated,
+        depth: 0.0,
+        depth_lower: 0.0,
+        depth_upper: 0.0,
+        normal: DVec3::NAN,
+        point_a: DVec3::NAN,
+        point_b: DVec3::NAN,
+        iterations: 0,
+        support_calls: 0,
+        parts: [0; 2],
+        features: [u32::MAX; 2],
+        is_only_normal: false,
+    };
+
+    /// The same contact with A and B exchanged.
+    pub(crate) fn exchanged(self, b_in_a: Pose) -> Self {
+        let ([of_a, of_b], [vertex_a, vertex_b]) = (self.parts, self.features);
+        Self {
+            normal: b_in_a.transform_vector(-self.normal),
+            point_a: b_in_a.transform_point(self.point_b),
+            point_b: b_in_a.transform_point(self.point_a),
+            parts: [of_b, of_a],
+            features: [vertex_b, vertex_a],
+            ..self
+        }
+    }
+
     /// How much deeper B is moved to find other normals of the same depth, for these outer radii of
     /// both shapes together.
     pub(crate) fn deeper(&self, outer_radii: f64) -> f64 {
@@ -91,6 +126,7 @@ impl Default for Contact {
             point_b: DVec3::ZERO,
             iterations: 0,
             support_calls: 0,
+            parts: [0; 2],
             features: [u32::MAX; 2],
             is_only_normal: false,
         }

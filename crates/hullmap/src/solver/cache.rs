@@ -6,6 +6,8 @@
 //! - The last portal. It usually proves a hit again without any support call.
 //! - The last simplex near the origin. GJK continues from it.
 //! - The last polytope. EPA continues from it.
+//! - Of geometries with parts: the same for the most recent pairs of parts, and the pair that
+//!   decided the last query.
 //!
 //! # Reference
 //! Kenwright, sections 4.1, 4.6 and 4.7: the last solution is the next starting point.
@@ -29,9 +31,14 @@ const MAX_FACES: usize = 2 * MAX_POINTS;
 
 /// Caller-owned memory of one ordered pair (A, B), passed to every query of that pair.
 ///
-/// It takes 1.3 KB, and no memory elsewhere unless [`set_scratch`](Self::set_scratch) lends it
-/// some. It changes the cost of a query and, beyond rounding error, never its answer. An empty
-/// cache is always valid, and so is the cache of another pair. All directions are in A's frame.
+/// It changes the cost of a query and, beyond rounding error, never its answer. An empty cache is
+/// always valid, and so is the cache of another pair. All directions are in A's frame.
+///
+/// # Memory
+/// It takes 1.3 KB, and no memory elsewhere for two convex shapes, unless
+/// [`set_scratch`](Self::set_scratch) lends it some. If A or B has parts (a compound, a mesh, a
+/// field), it also has an entry of 1.4 KB for each of the most recent pairs of parts. The first
+/// such query allocates 64 of them; [`with_pairs`](Self::with_pairs) allocates them ahead.
 ///
 /// ```
 /// use hullmap::glam::DVec3;
@@ -62,8 +69,44 @@ pub struct Cache {
     point_count: u8,
     face_count: u8,
     scratch: Lent,
+    /// `None` until the first query of parts.
+    parts: Option<Box<PartCaches>>,
     /// `None` until the first polytope is kept, so that an empty cache costs no writes.
     polytope: Option<Polytope>,
+}
+
+/// Caches of the most recent pairs of parts.
+#[derive(Clone, Debug, PartialEq)]
+struct PartCaches {
+    entries: Box<[Entry]>,
+    /// The pair that decided the last query.
+    first: Option<[usize; 2]>,
+    /// The entry whose cache has the scratch memory, if any was lent.
+    lent_to: Option<usize>,
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Entry {
+    pair: Option<[usize; 2]>,
+    cache: Cache,
+}
+
+/// Default number of pairs of parts: twice what two parts need that are each in contact with a
+/// dozen others. 90 KB.
+const DEFAULT_PAIRS: usize = 64;
+
+impl PartCaches {
+    fn new(pairs: usize) -> Self {
+        Self { entries: vec![Entry::default(); pairs.max(1)].into_boxed_slice(), first: None, lent_to: None }
+    }
+
+    fn clear(&mut self) {
+        self.first = None;
+        for entry in &mut self.entries {
+            entry.pair = None;
+            entry.cache.clear();
+        }
+    }
 }
 
 /// The polytope of a [`Cache`]. The first `point_count` points and `face_count` faces are in use.
@@ -91,6 +134,7 @@ impl Default for Cache {
             point_count: 0,
             face_count: 0,
             scratch: Lent::default(),
+            parts: None,
             polytope: None,
         }
     }
@@ -109,6 +153,13 @@ impl Cache {
     #[inline]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// An empty cache with entries for `pairs` pairs of parts, at least one. A pair is assigned to
+    /// an entry by its indices; if two pairs share an entry, the later one replaces the earlier
+    /// one.
+    pub fn with_pairs(pairs: usize) -> Self {
+        Self { parts: Some(Box::new(PartCaches::new(pairs))), ..Self::default() }
     }
 
     /// A cache that starts from a direction, for pairs that have no memory of their own, such as
@@ -153,6 +204,40 @@ impl Cache {
         self.portal = None;
         self.simplex_count = 0;
         self.forget_polytope();
+        if let Some(parts) = &mut self.parts {
+            parts.clear();
+        }
+    }
+
+    /// Cache of one pair of parts, by their indices in A and in B. It is empty if the pair was not
+    /// cached.
+    #[expect(clippy::indexing_slicing, reason = "taken modulo the number of entries, which is at least one")]
+    pub(crate) fn pair(&mut self, pair: [usize; 2]) -> &mut Self {
+        let scratch = self.take_scratch();
+        let parts = self.parts.get_or_insert_with(|| Box::new(PartCaches::new(DEFAULT_PAIRS)));
+        // The factor sends neighbouring pairs to different entries.
+        let index = (pair[0].wrapping_mul(31).wrapping_add(pair[1])) % parts.entries.len();
+        let entry = &mut parts.entries[index];
+        if entry.pair != Some(pair) {
+            entry.pair = Some(pair);
+            entry.cache.clear();
+        }
+        // The scratch memory moves to the cache in use.
+        parts.lent_to = scratch.is_some().then_some(index);
+        entry.cache.scratch.0 = scratch;
+        &mut entry.cache
+    }
+
+    /// The pair of parts that decided the last query, if it exists in geometries with this many
+    /// parts.
+    pub(crate) fn first(&self, counts: [usize; 2]) -> Option<[usize; 2]> {
+        self.parts.as_ref()?.first.filter(|pair| pair[0] < counts[0] && pair[1] < counts[1])
+    }
+
+    pub(crate) fn set_first(&mut self, pair: [usize; 2]) {
+        if let Some(parts) = &mut self.parts {
+            parts.first = Some(pair);
+        }
     }
 
     /// Copies what another cache holds: of its polytope, what is in use.
@@ -178,7 +263,10 @@ impl Cache {
 
     /// Returns the scratch memory that the cache was lent, if any.
     pub fn take_scratch(&mut self) -> Option<Box<Scratch>> {
-        self.scratch.0.take()
+        self.scratch.0.take().or_else(|| {
+            let parts = self.parts.as_mut()?;
+            parts.entries.get_mut(parts.lent_to.take()?)?.cache.take_scratch()
+        })
     }
 
     pub(super) fn scratch(&mut self) -> Option<&mut Scratch> {

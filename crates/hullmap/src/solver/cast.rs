@@ -65,6 +65,25 @@ pub struct Impact {
     pub iterations: u32,
     /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
+    /// The parts of A and of B that decided the answer, by index: hulls of a compound, triangles of
+    /// a mesh or a field. 0 for a shape without parts.
+    pub parts: [u32; 2],
+}
+
+impl Impact {
+    /// The answer for a ray whose cast this is, with the point that it hits.
+    pub(crate) fn ray_hit(self, point: DVec3) -> RayHit {
+        let Self { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, parts: [part, _], .. } = self;
+        RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls, part }
+    }
+
+    /// The same answer with A and B exchanged, for B that translates by `velocity`.
+    pub(crate) fn exchanged(self, b_in_a: Pose, velocity: DVec3) -> Self {
+        let at = |point: DVec3| b_in_a.transform_point(point) + velocity * self.t;
+        let [point_a, point_b] = if self.hit { [at(self.point_b), at(self.point_a)] } else { [DVec3::ZERO; 2] };
+        let ([of_a, of_b], normal) = (self.parts, b_in_a.transform_vector(-self.normal));
+        Self { normal, point_a, point_b, parts: [of_b, of_a], ..self }
+    }
 }
 
 impl Default for Impact {
@@ -82,46 +101,13 @@ impl Default for Impact {
             point_b: DVec3::ZERO,
             iterations: 0,
             support_calls: 0,
+            parts: [0; 2],
         }
     }
 }
 
-/// When B, which starts at `b_in_a` and translates by `motion`, first meets A: the time of impact.
-///
-/// Neither shape rotates. Points and directions are in A's frame. The time is in the unit of
-/// `motion`, from 0 to `settings.max_t`. `cache` belongs to this ordered pair; the query reads and
-/// updates it.
-///
-/// # Complexity
-/// No support call if the bounding balls of the shapes miss each other, one if the last separating
-/// direction still separates the shapes. 10 to 30 for most hits. Rounded shapes cost 3 to 8
-/// distance queries of their cores. The number of steps is bounded by `settings`. No allocation.
-///
-/// # Reference
-/// van den Bergen 2004; Snethen, "XenoCollide". docs/contributors/intervals.md proves the interval.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::{DQuat, DVec3};
-/// use hullmap::shapes::{Cuboid, Sphere};
-/// use hullmap::{Cache, CastSettings, Motion, Pose, Status, cast};
-///
-/// let (wall, bullet) = (Cuboid::new(DVec3::new(0.01, 5.0, 5.0))?, Sphere::new(0.02)?);
-/// let start = Pose::new(DVec3::new(-3.03, 0.5, 0.0), DQuat::IDENTITY)?;
-/// // The displacement of one step, which leads through the wall.
-/// let step = Motion::new(DVec3::new(6.0, 0.0, 0.0))?;
-/// let settings = CastSettings { max_t: 1.0, ..CastSettings::default() };
-/// let impact = cast(&wall, &bullet, start, step, &settings, &mut Cache::new());
-/// assert!(impact.hit && (impact.t - 0.5).abs() < 1e-6);
-/// assert!(impact.t_lower <= 0.5 && 0.5 <= impact.t_upper);
-/// assert!(impact.normal.distance(DVec3::NEG_X) < 1e-9); // from the wall to the bullet
-///
-/// let aside = Motion::new(DVec3::new(0.0, 6.0, 0.0))?;
-/// let impact = cast(&wall, &bullet, start, aside, &settings, &mut Cache::new());
-/// assert_eq!(impact.status, Status::Separated);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn cast<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// [`cast`](crate::cast()) of two convex shapes.
+pub(crate) fn cast<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &A,
     b: &B,
     b_in_a: Pose,
@@ -157,8 +143,7 @@ fn cast_point(
     grazing: Impact,
 ) -> Impact {
     let Ok(ray) = Ray::new(start, velocity) else { return grazing };
-    let Impact { hit, status, t, t_lower, t_upper, normal, point_a: point, iterations, support_calls, .. } = grazing;
-    let as_ray = RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls };
+    let as_ray = grazing.ray_hit(grazing.point_a);
     let RayHit { hit, status, t, t_lower, t_upper, point, normal, .. } = ray_polytope(vertices, &ray, settings, as_ray);
     let point = if hit { point } else { DVec3::ZERO };
     Impact { hit, status, t, t_lower, t_upper, normal, point_a: point, point_b: point, ..grazing }
@@ -234,6 +219,7 @@ fn impact(entry: &Entry, path: Path, support_calls: u32) -> Impact {
         point_b: entry.points[1],
         iterations: entry.iterations,
         support_calls,
+        parts: [0; 2],
     }
 }
 

@@ -53,10 +53,28 @@ pub struct Distance {
     pub iterations: u32,
     /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
+    /// The parts of A and of B that decided the answer, by index: hulls of a compound, triangles of
+    /// a mesh or a field. 0 for a shape without parts.
+    pub parts: [u32; 2],
     /// Features of a point of A and of a point of B in their support planes along the normal; the
     /// greatest number if they are not known.
     #[doc(hidden)]
     pub features: [u32; 2],
+}
+
+impl Distance {
+    /// The same distance with A and B exchanged.
+    pub(crate) fn exchanged(self, b_in_a: Pose) -> Self {
+        let ([of_a, of_b], [vertex_a, vertex_b]) = (self.parts, self.features);
+        Self {
+            normal: b_in_a.transform_vector(-self.normal),
+            point_a: b_in_a.transform_point(self.point_b),
+            point_b: b_in_a.transform_point(self.point_a),
+            parts: [of_b, of_a],
+            features: [vertex_b, vertex_a],
+            ..self
+        }
+    }
 }
 
 impl Default for Distance {
@@ -73,6 +91,7 @@ impl Default for Distance {
             point_b: DVec3::ZERO,
             iterations: 0,
             support_calls: 0,
+            parts: [0; 2],
             features: [u32::MAX; 2],
         }
     }

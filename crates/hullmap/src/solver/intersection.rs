@@ -32,12 +32,15 @@ pub struct Intersection {
     pub iterations: u32,
     /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
+    /// The parts of A and of B that decided the answer, by index: hulls of a compound, triangles of
+    /// a mesh or a field. 0 for a shape without parts.
+    pub parts: [u32; 2],
 }
 
 impl Default for Intersection {
     /// An undecided answer, which claims nothing. It initialises the slices of a batch.
     fn default() -> Self {
-        Self { status: Overlap::Undecided, iterations: 0, support_calls: 0 }
+        Self { status: Overlap::Undecided, iterations: 0, support_calls: 0, parts: [0; 2] }
     }
 }
 
@@ -130,7 +133,7 @@ impl SteppedQuery for IntersectionQuery {
 impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, IntersectionQuery, ()> {
     #[inline(always)]
     fn answer(&self, status: Overlap, iterations: u32) -> Step<Intersection> {
-        Step::Answer(Intersection { status, iterations, support_calls: self.m.support_calls() })
+        Step::Answer(Intersection { status, iterations, support_calls: self.m.support_calls(), parts: [0; 2] })
     }
 
     /// The portal of step 2, then step 3.

@@ -17,7 +17,7 @@
 //! | `rounded` | the same for rounded shapes, by Newton's method on the distance of the cores |
 //! | `ray`, `cast`, `signed_distance`, `motion` | rays, shape casts and points, composed of these algorithms |
 //! | `ray_triangle`, `ray_polytope` | rays that graze, decided by `exact_ray` and `long_accumulator` |
-//! | `queries` | the other public functions; they solve rounded shapes by their cores |
+//! | `queries` | contact, distance and intersection; rounded shapes are solved by their cores |
 //! | `cache` | what one pair keeps from query to query (warm start) |
 //! | `scratch` | memory for polytopes, also for threads with a small stack |
 //! | `steps` | what all steps of a query share, and how it is driven: to its end, or in turns |

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::pose::MAX_TRANSLATION;
+use crate::pose::{MAX_TRANSLATION, Pose};
 
 /// A point, direction or velocity is NaN, infinite or too large.
 ///
@@ -117,6 +117,12 @@ impl Motion {
     /// The velocity, in A's frame.
     pub fn velocity(&self) -> DVec3 {
         self.velocity
+    }
+
+    /// The motion of A in the frame of B, which is at `b_in_a` at the start and moves by this
+    /// motion.
+    pub(crate) fn seen_from(&self, b_in_a: Pose) -> Self {
+        Self { velocity: b_in_a.inverse_transform_vector(-self.velocity) }
     }
 
     /// The velocity times a power of two, and that power. No square of the product underflows.

@@ -1,5 +1,5 @@
-//! Public queries: contact, distance and intersection of any two shapes. Rounded shapes are solved
-//! by their cores.
+//! Contact, distance and intersection of any two convex shapes. Rounded shapes are solved by their
+//! cores.
 //!
 //! On the curved surface itself EPA would cut off one facet per step. On the cores the search ends
 //! after as many steps as the cores have facets nearby. Shapes without a convex radius go straight
@@ -151,37 +151,8 @@ fn interval_status(status: Status, [lower, upper]: [f64; 2], tolerance: f64, tou
     }
 }
 
-/// Contact of `a` and `b`, with `b` at `b_in_a`: penetration depth, normal and witness points.
-///
-/// Lengths are in the shapes' unit, points and directions in A's frame. The normal points from A to
-/// B: moving B by `depth` along it separates the shapes, and no shorter motion does. `cache`
-/// belongs to this ordered pair; the query reads and updates it.
-///
-/// Numerical trouble never reads as "no contact": [`Contact::hit`] is false only if a separating
-/// plane was found, and [`Contact::status`] reports how the interval of the depth ended.
-///
-/// # Complexity
-/// 1 to 4 support calls for most separated pairs, 10 to 40 for most that overlap; bounded by
-/// `settings`. Rounded shapes cost up to three distance queries of their cores, and a contact query
-/// if the cores overlap. No allocation.
-///
-/// # Reference
-/// Kenwright, Algorithm 1 and Listing 2; van den Bergen 2001 for the depth.
-/// docs/contributors/intervals.md proves the interval.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::{Capsule, Sphere};
-/// use hullmap::{Cache, Pose, Settings, contact};
-///
-/// let (capsule, ball) = (Capsule::new(1.0, 0.5)?, Sphere::new(0.25)?);
-/// let b_in_a = Pose::from_translation(DVec3::new(0.6, 0.0, 0.3))?;
-/// let c = contact(&capsule, &ball, b_in_a, &Settings::default(), &mut Cache::new());
-/// assert!(c.hit && (c.depth - 0.15).abs() < 1e-12);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// [`contact`](crate::contact()) of two convex shapes.
+pub(crate) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &A,
     b: &B,
     b_in_a: Pose,
@@ -318,34 +289,8 @@ fn settle<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     (found.point_a, found.point_b) = (bound.point_a, bound.point_b);
 }
 
-/// Distance of `a` and `b`, with `b` at `b_in_a`, and the witness points that realise it.
-///
-/// Lengths are in the shapes' unit, points and directions in A's frame. The distance is 0 if the
-/// shapes overlap or touch; [`contact`] then computes the depth. `cache` belongs to this ordered
-/// pair; the query reads and updates it.
-///
-/// # Complexity
-/// 4 to 10 support calls for most pairs; bounded by `settings`. Rounded shapes cost up to three
-/// distance queries of their cores. No allocation.
-///
-/// # Reference
-/// Gilbert, Johnson, Keerthi 1988 (GJK); Kenwright, section 4.6. docs/contributors/intervals.md
-/// proves the interval.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::{Cuboid, Sphere};
-/// use hullmap::{Cache, Pose, Settings, distance};
-///
-/// let (cube, ball) = (Cuboid::new(DVec3::ONE)?, Sphere::new(0.5)?);
-/// let b_in_a = Pose::from_translation(DVec3::new(4.0, 0.0, 0.0))?;
-/// let d = distance(&cube, &ball, b_in_a, &Settings::default(), &mut Cache::new());
-/// assert!((d.distance - 2.5).abs() < 1e-12 && d.lower <= 2.5 && 2.5 <= d.upper);
-/// assert!(d.point_a.distance(DVec3::X) < 1e-6 && d.point_b.distance(DVec3::X * 3.5) < 1e-6);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// [`distance`](crate::distance()) of two convex shapes.
+pub(crate) fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &A,
     b: &B,
     b_in_a: Pose,
@@ -377,33 +322,8 @@ pub fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     found
 }
 
-/// Whether `a` and `b`, with `b` at `b_in_a`, share a point.
-///
-/// `cache` belongs to this ordered pair; the query reads and updates it. After a miss it holds the
-/// separating axis and the points seen, so that [`distance`] with the same cache needs fewer steps.
-///
-/// # Complexity
-/// No support call if the inner or outer balls decide, 1 to 4 for most separated pairs, 3 to 7 for
-/// most that overlap. With the cache of the last query usually one for separated pairs, and none
-/// for those that overlap. Bounded. Rounded shapes cost a [`distance`] query. No allocation.
-///
-/// # Reference
-/// Kenwright, Algorithm 1.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::{DQuat, DVec3};
-/// use hullmap::{Cache, Overlap, Pose, intersects, shapes::Cuboid};
-///
-/// let cube = Cuboid::new(DVec3::ONE)?;
-/// let mut cache = Cache::new();
-/// let near = Pose::new(DVec3::new(1.8, 0.0, 0.0), DQuat::from_rotation_z(0.5))?;
-/// assert_eq!(intersects(&cube, &cube, near, &mut cache).status, Overlap::Overlapping);
-/// let far = Pose::from_translation(DVec3::new(2.5, 0.0, 0.0))?;
-/// assert!(!intersects(&cube, &cube, far, &mut cache).is_hit());
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// [`intersects`](crate::intersects()) of two convex shapes.
+pub(crate) fn intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &A,
     b: &B,
     b_in_a: Pose,
@@ -424,7 +344,7 @@ pub fn intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
             return found;
         }
     };
-    Intersection { status, iterations, support_calls }
+    Intersection { status, iterations, support_calls, parts: [0; 2] }
 }
 
 /// The same from the depth, for cores so thin that the distance cannot decide.
@@ -439,7 +359,7 @@ fn intersects_by_depth(a: &dyn SupportMap, b: &dyn SupportMap, b_in_a: Pose, cac
         Status::Touching => Overlap::Touching,
         _ => Overlap::Undecided,
     };
-    Intersection { status, iterations, support_calls }
+    Intersection { status, iterations, support_calls, parts: [0; 2] }
 }
 
 /// Whether the points closest to the origin that the last [`distance`] query found prove under this

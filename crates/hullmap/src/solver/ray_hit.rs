@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::cast::Impact;
 use super::motion::Ray;
 use super::status::Status;
 
@@ -45,9 +46,19 @@ pub struct RayHit {
     pub iterations: u32,
     /// Number of support calls.
     pub support_calls: u32,
+    /// Index of the part that decided the answer: the hull of a compound, the triangle of a mesh or
+    /// a field. 0 for a shape without parts.
+    pub part: u32,
 }
 
 impl RayHit {
+    /// The answer as the cast of a point, on a part.
+    pub(crate) fn impact(self, part: usize) -> Impact {
+        let Self { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls, .. } = self;
+        let ([point_a, point_b], parts) = ([point; 2], [part as u32, 0]);
+        Impact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, iterations, support_calls, parts }
+    }
+
     /// The answer for a ray that certainly misses.
     pub(crate) fn miss(ray: &Ray) -> Self {
         Self {
@@ -60,6 +71,7 @@ impl RayHit {
             normal: DVec3::X,
             iterations: 0,
             support_calls: 0,
+            part: 0,
         }
     }
 }

@@ -96,6 +96,7 @@ fn by_volumes(corners: [DVec3; 3], ray: &Ray, settings: &CastSettings) -> Option
         normal,
         iterations: 0,
         support_calls: 0,
+        part: 0,
     })
 }
 

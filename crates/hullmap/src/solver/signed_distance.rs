@@ -42,39 +42,13 @@ pub struct SignedDistance {
     pub iterations: u32,
     /// Number of support calls.
     pub support_calls: u32,
+    /// Index of the part that decided the answer: the hull of a compound, the triangle of a mesh or
+    /// a field. 0 for a shape without parts.
+    pub part: u32,
 }
 
-/// Signed distance of `point` from the surface of `shape`: positive outside, negative inside, with
-/// the closest point of the surface.
-///
-/// Lengths are in the shape's unit, points and directions in its frame. `cache` belongs to the
-/// shape and to points near this one; the query reads and updates it.
-///
-/// # Errors
-/// A component of `point` is NaN, infinite, or beyond
-/// [`MAX_TRANSLATION`](crate::pose::MAX_TRANSLATION).
-///
-/// # Complexity
-/// For a point outside, the cost of [`distance`](crate::distance()): 3 to 8 support calls. For a
-/// point inside, also the cost of [`contact`](crate::contact()): 20 to 60. No allocation.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Cuboid;
-/// use hullmap::{Cache, Settings, signed_distance};
-///
-/// let cube = Cuboid::new(DVec3::ONE)?;
-/// let mut cache = Cache::new();
-/// let outside = signed_distance(&cube, DVec3::new(3.0, 0.0, 0.5), &Settings::default(), &mut cache)?;
-/// assert!((outside.distance - 2.0).abs() < 1e-12);
-/// assert!(outside.point.distance(DVec3::new(1.0, 0.0, 0.5)) < 1e-12);
-///
-/// let inside = signed_distance(&cube, DVec3::new(0.75, 0.0, 0.5), &Settings::default(), &mut cache)?;
-/// assert!((inside.distance + 0.25).abs() < 1e-12 && inside.normal.distance(DVec3::X) < 1e-12);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn signed_distance<S: SupportMap + ?Sized>(
+/// [`signed_distance`](crate::signed_distance()) from a convex shape.
+pub(crate) fn signed_distance<S: SupportMap + ?Sized>(
     shape: &S,
     point: DVec3,
     settings: &Settings,
@@ -91,6 +65,7 @@ pub fn signed_distance<S: SupportMap + ?Sized>(
         normal: outside.normal,
         iterations: outside.iterations,
         support_calls: outside.support_calls,
+        part: 0,
     };
     if outside.lower > 0.0 {
         return Ok(found);

@@ -289,6 +289,13 @@ pub trait SupportMap {
         None
     }
 
+    /// Corners of the box around the shape in its own frame, if the shape keeps it, as a hull does.
+    /// The parts of compounds compare boxes before the solver runs. The default is `None`.
+    #[doc(hidden)]
+    fn stored_bounds(&self) -> Option<[DVec3; 2]> {
+        None
+    }
+
     /// The edges of a polytope that leave the vertex of a feature and are perpendicular to `dir`, a
     /// unit vector, up to an angle with this tangent. The default is `None`: edges are not known.
     ///
@@ -427,6 +434,9 @@ impl<S: SupportMap + ?Sized> SupportMap for &S {
     #[inline(always)]
     fn facets(&self) -> Option<Facets<'_>> {
         (**self).facets()
+    }
+    fn stored_bounds(&self) -> Option<[DVec3; 2]> {
+        (**self).stored_bounds()
     }
     #[inline(always)]
     fn level_edges(&self, feature: u32, dir: DVec3, tangent: f64) -> Option<LevelEdges> {

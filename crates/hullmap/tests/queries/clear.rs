@@ -6,11 +6,10 @@ use crate::compound::pack;
 use crate::motions_of_parts::{motion, turns};
 use glam::DVec3;
 use hullmap::batch::{self, MovingPair};
-use hullmap::compound::{CompoundAnswer, half_space};
 use hullmap::shapes::{Cuboid, HalfSpace, Sphere};
 use hullmap::{
-    Cache, ClearSettings, Clearance, Compound, CompoundCache, Hull, MotionSettings, Pose, RigidMotion, Settings, Shape,
-    Status, Verdict, cast_motion, clear, compound, distance,
+    Cache, ClearSettings, Clearance, Compound, Hull, MotionSettings, Pose, RigidMotion, Settings, Shape, Status,
+    Verdict, cast_motion, clear, distance,
 };
 use shapes::rng::SplitMix64;
 
@@ -96,25 +95,24 @@ fn compounds_are_clear_if_all_their_parts_are() {
         pairs.push(MovingPair { a: &whole_a, motion_a, b: &whole_b, motion_b });
         let margin = [0.0, 0.02][number % 2];
         let settings = settings(margin, 0.5, 5_000);
-        let found = compound::clear(&whole_a, &motion_a, &whole_b, &motion_b, &settings, &mut CompoundCache::new(4));
+        let found = hullmap::clear(&whole_a, &motion_a, &whole_b, &motion_b, &settings, &mut Cache::with_pairs(4));
         let what = format!("{number}, seed {SEED:#x}: {found:?} {motion_a:?} {motion_b:?}");
-        let mut cache = CompoundCache::default();
+        let mut cache = Cache::new();
         let gap = |t: f64| {
             let b_in_a = Pose::relative(motion_a.pose_at(t), motion_b.pose_at(t)).unwrap();
-            compound::distance(&whole_a, &whole_b, b_in_a, &Settings::default(), &mut cache).answer
+            hullmap::distance(&whole_a, &whole_b, b_in_a, &Settings::default(), &mut cache)
         };
-        judge(&found.answer, margin, gap, &what);
-        if found.answer.verdict == Verdict::Free {
-            assert!(found.answer.clearance >= 0.5 * found.answer.nearest, "{what}");
+        judge(&found, margin, gap, &what);
+        if found.verdict == Verdict::Free {
+            assert!(found.clearance >= 0.5 * found.nearest, "{what}");
         }
-        counts[found.answer.verdict as usize] += 1;
+        counts[found.verdict as usize] += 1;
         for limit in [0, 3, 20] {
             let cut = ClearSettings { motion: MotionSettings { max_iterations: limit, ..settings.motion }, share: 0.5 };
-            let cut =
-                compound::clear(&whole_a, &motion_a, &whole_b, &motion_b, &cut, &mut CompoundCache::new(4)).answer;
+            let cut = hullmap::clear(&whole_a, &motion_a, &whole_b, &motion_b, &cut, &mut Cache::with_pairs(4));
             assert!(cut.iterations <= limit * turns([&motion_a, &motion_b]) + 1, "{limit}: {cut:?}");
             let is_open = cut.verdict == Verdict::Open;
-            assert!(is_open || cut.verdict == found.answer.verdict, "{limit}: {cut:?}; {what}");
+            assert!(is_open || cut.verdict == found.verdict, "{limit}: {cut:?}; {what}");
         }
     }
     println!("free, hit, open: {counts:?}");
@@ -122,15 +120,15 @@ fn compounds_are_clear_if_all_their_parts_are() {
 
     // A batch has the bits of single queries.
     let settings = settings(0.0, 0.5, 5_000);
-    let mut caches = vec![CompoundCache::new(1); pairs.len()];
-    let mut found = vec![CompoundAnswer::<Clearance>::default(); pairs.len()];
-    batch::clear_compounds(&pairs, &settings, &mut caches, &mut found).unwrap();
+    let mut caches = vec![Cache::with_pairs(1); pairs.len()];
+    let mut found = vec![Clearance::default(); pairs.len()];
+    batch::clear(&pairs, &settings, &mut caches, &mut found).unwrap();
     for (pair, found) in pairs.iter().zip(&found) {
-        let mut cache = CompoundCache::new(1);
-        let single = compound::clear(pair.a, &pair.motion_a, pair.b, &pair.motion_b, &settings, &mut cache);
+        let mut cache = Cache::with_pairs(1);
+        let single = hullmap::clear(pair.a, &pair.motion_a, pair.b, &pair.motion_b, &settings, &mut cache);
         assert_eq!(*found, single);
     }
-    assert!(batch::clear_compounds(&pairs, &settings, &mut caches[1..], &mut found).is_err());
+    assert!(batch::clear(&pairs, &settings, &mut caches[1..], &mut found).is_err());
 }
 
 /// Hulls, and all hulls together, above planes that move, too.
@@ -148,12 +146,13 @@ fn half_spaces_are_clear_if_the_lowest_vertices_are() {
         let settings = settings(margin, [0.0, 0.5, 0.9][number / 3 % 3], 1_000);
         let at = |t: f64| Pose::relative(own.pose_at(t), other.pose_at(t)).unwrap();
         let what = format!("{number}, seed {SEED:#x}: {own:?} {other:?}");
-        let single = plane.clear(&own, hull, &other, &settings);
-        judge(&single, margin, |t| plane.distance(hull, at(t)), &what);
-        let whole = half_space::clear(&plane, &own, &all, &other, &settings);
-        judge(&whole.answer, margin, |t| half_space::distance(&plane, &all, at(t)).answer, &what);
+        let (usual, mut cache) = (Settings::default(), Cache::new());
+        let single = clear(&plane, &own, hull, &other, &settings, &mut cache);
+        judge(&single, margin, |t| distance(&plane, hull, at(t), &usual, &mut Cache::new()), &what);
+        let whole = clear(&plane, &own, &all, &other, &settings, &mut cache);
+        judge(&whole, margin, |t| distance(&plane, &all, at(t), &usual, &mut Cache::new()), &what);
         counts[single.verdict as usize] += 1;
-        counts[whole.answer.verdict as usize] += 1;
+        counts[whole.verdict as usize] += 1;
     }
     println!("{counts:?}");
     assert!(counts[0] > 100 && counts[1] > 100, "{counts:?}");

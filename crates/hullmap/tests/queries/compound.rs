@@ -2,11 +2,11 @@
 
 use crate::any_shape;
 use glam::{DQuat, DVec3};
-use hullmap::compound::{CompoundManifolds, half_space};
+use hullmap::compound::CompoundManifolds;
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Segment, Sphere, Triangle};
 use hullmap::{
-    Cache, CastSettings, Compound, CompoundCache, Contact, Impact, Manifold, ManifoldSettings, Motion, Overlap, Pack,
-    Pose, Prediction, Ray, Settings, Shape, Status, SupportMap, compound,
+    Cache, CastSettings, Compound, Contact, Impact, Manifold, ManifoldSettings, Motion, Overlap, Pack, Pose,
+    Prediction, Ray, RayHit, Settings, Shape, Status, SupportMap,
 };
 use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
 use hullmap_testkit::{gap::distance_by_features, polytope::Polytope, random::RandomPoses, reach::Reach};
@@ -62,33 +62,39 @@ pub(crate) fn pairs<'a>(
     a.hulls().enumerate().flat_map(|(i, hull_a)| b.hulls().enumerate().map(move |(j, hull_b)| ([i, j], hull_a, hull_b)))
 }
 
+/// The hulls that decided an answer.
+fn hulls_of<'p>(a: &'p Pack, b: &'p Pack, [of_a, of_b]: [u32; 2]) -> [hullmap::Hull<'p>; 2] {
+    [a.hull(of_a as usize).unwrap(), b.hull(of_b as usize).unwrap()]
+}
+
 #[test]
 fn intersection_agrees_with_all_pairs() {
     let (mut hits, mut tried, mut queried, mut all) = (0, 0, 0, 0);
     for (name, a, b) in pairings() {
         let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
-        let mut cache = CompoundCache::new(8);
+        let mut cache = Cache::with_pairs(8);
         for (number, pose) in poses(1_500, 2.0, SEED).into_iter().enumerate() {
-            let slow = pairs(&a, &b)
-                .any(|(_, a, b)| hullmap::intersects(&a, &b, pose, &mut Cache::new()).status == Overlap::Overlapping);
-            let fast = compound::intersects(&whole_a, &whole_b, pose, &mut cache);
-            assert_eq!(fast.answer.status == Overlap::Overlapping, slow, "{name}: pose {number}, seed {SEED:#x}");
-            assert_eq!(fast.answer.is_hit(), slow, "{name}: pose {number}");
-            let fresh = compound::intersects(&whole_a, &whole_b, pose, &mut CompoundCache::new(0));
-            assert_eq!(fresh.answer.status, fast.answer.status, "{name}: pose {number}");
+            let each: Vec<_> =
+                pairs(&a, &b).map(|(_, a, b)| hullmap::intersects(&a, &b, pose, &mut Cache::new())).collect();
+            let slow = each.iter().any(|found| found.status == Overlap::Overlapping);
+            let fast = hullmap::intersects(&whole_a, &whole_b, pose, &mut cache);
+            assert_eq!(fast.status == Overlap::Overlapping, slow, "{name}: pose {number}, seed {SEED:#x}");
+            assert_eq!(fast.is_hit(), slow, "{name}: pose {number}");
+            let fresh = hullmap::intersects(&whole_a, &whole_b, pose, &mut Cache::with_pairs(0));
+            assert_eq!(fresh.status, fast.status, "{name}: pose {number}");
             if slow {
-                let [hull_a, hull_b] = [a.hull(fast.hulls[0]).unwrap(), b.hull(fast.hulls[1]).unwrap()];
+                let [hull_a, hull_b] = hulls_of(&a, &b, fast.parts);
                 assert!(hullmap::intersects(&hull_a, &hull_b, pose, &mut Cache::new()).is_hit());
             }
             hits += usize::from(slow);
             tried += 1;
-            queried += fresh.pairs as usize;
-            all += a.hull_count() * b.hull_count();
+            queried += fresh.support_calls;
+            all += each.iter().map(|found| found.support_calls).sum::<u32>();
         }
     }
-    println!("{hits} of {tried} overlap; {queried} of {all} pairs queried");
+    println!("{hits} of {tried} overlap; {queried} of {all} support queries");
     assert!((tried * 3 / 10..=tried * 7 / 10).contains(&hits), "{hits} of {tried} overlap");
-    assert!(queried * 10 < all, "{queried} of {all}");
+    assert!(queried * 4 < all, "{queried} of {all}");
 }
 
 #[test]
@@ -97,13 +103,14 @@ fn distance_is_the_minimum_over_all_pairs() {
     let (mut separated, mut tried, mut queried, mut all) = (0, 0, 0, 0);
     for (name, a, b) in pairings() {
         let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
-        let mut cache = CompoundCache::default();
+        let mut cache = Cache::new();
         for (number, pose) in poses(700, 2.7, SEED + 1).into_iter().enumerate() {
             let each = pairs(&a, &b).map(|(_, a, b)| hullmap::distance(&a, &b, pose, &settings, &mut Cache::new()));
-            let (mut lower, mut upper) = (f64::INFINITY, f64::INFINITY);
-            each.for_each(|found| (lower, upper) = (lower.min(found.lower), upper.min(found.upper)));
-            let fast = compound::distance(&whole_a, &whole_b, pose, &settings, &mut cache);
-            let found = fast.answer;
+            let (mut lower, mut upper, mut slow) = (f64::INFINITY, f64::INFINITY, 0);
+            each.for_each(|found| {
+                (lower, upper, slow) = (lower.min(found.lower), upper.min(found.upper), slow + found.support_calls);
+            });
+            let found = hullmap::distance(&whole_a, &whole_b, pose, &settings, &mut cache);
             // Both intervals contain the distance.
             assert!(found.lower <= upper && lower <= found.upper, "{name}: pose {number}, seed {SEED:#x}: {found:?}");
             assert!(found.upper - found.lower <= 2e-5 * found.upper + 1e-12, "{name}: pose {number}: {found:?}");
@@ -112,13 +119,13 @@ fn distance_is_the_minimum_over_all_pairs() {
                 let between = found.point_b - found.point_a;
                 assert!((between.length() - found.distance).abs() <= 1e-12 * (1.0 + found.distance));
                 separated += 1;
-                queried += fast.pairs as usize;
-                all += a.hull_count() * b.hull_count();
+                queried += found.support_calls;
+                all += slow;
             }
             tried += 1;
         }
     }
-    println!("{separated} of {tried} separated; {queried} of {all} pairs queried");
+    println!("{separated} of {tried} separated; {queried} of {all} support queries");
     assert!((tried * 3 / 10..=tried * 8 / 10).contains(&separated), "{separated} of {tried} separated");
     assert!(queried * 10 < all, "{queried} of {all}");
 }
@@ -129,15 +136,15 @@ fn contacts_agree_with_all_pairs_and_contact_is_the_deepest() {
     let (mut touching, mut tried, mut met) = (0, 0, 0);
     for (name, a, b) in pairings() {
         let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
-        let mut cache = CompoundCache::default();
+        let mut cache = Cache::new();
         for (number, pose) in poses(500, 2.0, SEED + 2).into_iter().enumerate() {
             let slow: Vec<([usize; 2], Contact)> = pairs(&a, &b)
                 .map(|(pair, a, b)| (pair, hullmap::contact(&a, &b, pose, &settings, &mut Cache::new())))
                 .filter(|(_, found)| found.hit)
                 .collect();
             let mut fast: Vec<([usize; 2], Contact)> = Vec::new();
-            let sum = compound::contacts(&whole_a, &whole_b, pose, &settings, &mut cache, |pair, found| {
-                fast.push((pair, *found));
+            let sum = hullmap::contacts(&whole_a, &whole_b, pose, &settings, &mut cache, |found| {
+                fast.push((found.parts.map(|part| part as usize), *found));
             });
             fast.sort_by_key(|(pair, _)| *pair);
             assert_eq!(sum.hits as usize, fast.len());
@@ -148,15 +155,13 @@ fn contacts_agree_with_all_pairs_and_contact_is_the_deepest() {
                     "{name}: {number}"
                 );
             }
-            let deepest = compound::contact(&whole_a, &whole_b, pose, &settings, &mut cache);
+            let deepest = hullmap::contact(&whole_a, &whole_b, pose, &settings, &mut cache);
             let greatest = |of: fn(&Contact) -> f64| slow.iter().map(|(_, found)| of(found)).fold(0.0, f64::max);
-            match deepest {
-                None => assert!(slow.is_empty(), "{name}: pose {number}"),
-                Some(found) => {
-                    let (lower, upper) = (greatest(|c| c.depth_lower), greatest(|c| c.depth_upper));
-                    assert!(found.answer.depth_lower <= upper && lower <= found.answer.depth_upper, "{name}: {number}");
-                    assert!(slow.iter().any(|(pair, _)| *pair == found.hulls));
-                }
+            assert_eq!(deepest.hit, !slow.is_empty(), "{name}: pose {number}");
+            if deepest.hit {
+                let (lower, upper) = (greatest(|c| c.depth_lower), greatest(|c| c.depth_upper));
+                assert!(deepest.depth_lower <= upper && lower <= deepest.depth_upper, "{name}: {number}");
+                assert!(slow.iter().any(|(pair, _)| pair.map(|part| part as u32) == deepest.parts));
             }
             touching += usize::from(!slow.is_empty());
             met += slow.len();
@@ -176,10 +181,10 @@ fn a_hull_is_a_compound_of_one() {
         for hull in a.hulls() {
             let one = Compound::from(hull);
             assert_eq!(one.hull_count(), 1);
-            let fast = compound::intersects(&one, &whole, pose, &mut CompoundCache::new(1));
-            let turned = compound::intersects(&whole, &one, pose.inverse(), &mut CompoundCache::new(1));
+            let fast = hullmap::intersects(&one, &whole, pose, &mut Cache::with_pairs(1));
+            let turned = hullmap::intersects(&whole, &one, pose.inverse(), &mut Cache::with_pairs(1));
             let slow = b.hulls().any(|other| hullmap::intersects(&hull, &other, pose, &mut Cache::new()).is_hit());
-            assert_eq!([fast.answer.is_hit(), turned.answer.is_hit()], [slow; 2]);
+            assert_eq!([fast.is_hit(), turned.is_hit()], [slow; 2]);
             hits += usize::from(slow);
         }
     }
@@ -190,15 +195,15 @@ fn a_hull_is_a_compound_of_one() {
 #[test]
 fn a_stale_cache_never_changes_an_answer() {
     let (large, small) = (pack(12, 1.0, 1), pack(2, 0.7, 2));
-    let mut cache = CompoundCache::new(4);
+    let mut cache = Cache::with_pairs(4);
     for pose in poses(200, 2.0, SEED + 4) {
         let far =
-            compound::distance(&Compound::new(&large), &Compound::new(&large), pose, &Settings::default(), &mut cache);
-        assert!(far.hulls.iter().all(|hull| *hull < 12));
+            hullmap::distance(&Compound::new(&large), &Compound::new(&large), pose, &Settings::default(), &mut cache);
+        assert!(far.parts.iter().all(|hull| *hull < 12));
         let (a, b) = (Compound::new(&small), Compound::new(&small));
-        let found = compound::intersects(&a, &b, pose, &mut cache);
-        let slow = compound::intersects(&a, &b, pose, &mut CompoundCache::default());
-        assert_eq!(found.answer.status, slow.answer.status);
+        let found = hullmap::intersects(&a, &b, pose, &mut cache);
+        let slow = hullmap::intersects(&a, &b, pose, &mut Cache::new());
+        assert_eq!(found.status, slow.status);
         cache.clear();
     }
 }
@@ -224,68 +229,65 @@ fn single_shapes_agree_with_all_parts() {
     let settings = Settings::default();
     let (many, own) = (pack(16, 1.2, 3), pack(2, 0.3, 4));
     let whole = Compound::new(&many);
-    let (mut hits, mut tried, mut queried) = (0, 0, 0);
+    let (mut hits, mut tried, mut queried, mut all) = (0, 0, 0, 0);
     for (name, shape) in single_shapes(&own) {
-        let (mut cache, mut turned) = (CompoundCache::default(), CompoundCache::default());
+        let (mut cache, mut turned) = (Cache::new(), Cache::new());
         for (number, pose) in poses(250, 2.0, SEED + 5).into_iter().enumerate() {
             let at = format!("{name}: pose {number}, seed {SEED:#x}");
             let inverse = pose.inverse();
             let parts = || many.hulls().enumerate();
             let (mut lower, mut upper) = (f64::INFINITY, f64::INFINITY);
             let (mut depth_lower, mut depth_upper, mut contacts) = (0.0_f64, 0.0_f64, Vec::new());
-            let mut overlaps = false;
+            let (mut overlaps, mut slow) = (false, 0);
             for (index, part) in parts() {
                 let near = any_shape::distance(&part, &*shape, pose, &settings, &mut Cache::new());
                 let deep = any_shape::contact(&part, &*shape, pose, &settings, &mut Cache::new());
-                (lower, upper) = (lower.min(near.lower), upper.min(near.upper));
+                (lower, upper, slow) = (lower.min(near.lower), upper.min(near.upper), slow + near.support_calls);
                 (depth_lower, depth_upper) = (depth_lower.max(deep.depth_lower), depth_upper.max(deep.depth_upper));
                 overlaps |=
                     any_shape::intersects(&part, &*shape, pose, &mut Cache::new()).status == Overlap::Overlapping;
                 if deep.hit {
-                    contacts.push(index);
+                    contacts.push(index as u32);
                 }
             }
             let both = [
-                compound::intersects(&whole, &*shape, pose, &mut cache),
-                compound::intersects(&*shape, &whole, inverse, &mut turned),
+                hullmap::intersects(&whole, &*shape, pose, &mut cache),
+                hullmap::intersects(&*shape, &whole, inverse, &mut turned),
             ];
-            assert!(both.iter().all(|y| (y.answer.status == Overlap::Overlapping) == overlaps), "{at}: {both:?}");
+            assert!(both.iter().all(|y| (y.status == Overlap::Overlapping) == overlaps), "{at}: {both:?}");
             let both = [
-                compound::distance(&whole, &*shape, pose, &settings, &mut cache),
-                compound::distance(&*shape, &whole, inverse, &settings, &mut turned),
+                hullmap::distance(&whole, &*shape, pose, &settings, &mut cache),
+                hullmap::distance(&*shape, &whole, inverse, &settings, &mut turned),
             ];
             for (d, side) in both.iter().zip([1, 0]) {
                 let error = 1e-12;
-                assert!(d.answer.lower <= upper + error && lower <= d.answer.upper + error, "{at}: {d:?}");
-                assert_eq!((d.hulls[side], d.answer.status == Status::Overlapping), (0, upper == 0.0), "{at}: {d:?}");
+                assert!(d.lower <= upper + error && lower <= d.upper + error, "{at}: {d:?}");
+                assert_eq!((d.parts[side], d.status == Status::Overlapping), (0, upper == 0.0), "{at}: {d:?}");
             }
-            queried += both[0].pairs as usize;
+            (queried, all) = (queried + both[0].support_calls, all + slow);
             let both = [
-                compound::contact(&whole, &*shape, pose, &settings, &mut cache),
-                compound::contact(&*shape, &whole, inverse, &settings, &mut turned),
+                hullmap::contact(&whole, &*shape, pose, &settings, &mut cache),
+                hullmap::contact(&*shape, &whole, inverse, &settings, &mut turned),
             ];
             for c in both {
-                assert_eq!(c.is_some(), !contacts.is_empty(), "{at}: {c:?}");
-                if let Some(c) = c {
+                assert_eq!(c.hit, !contacts.is_empty(), "{at}: {c:?}");
+                if c.hit {
                     let error = 1e-12;
-                    assert!(
-                        c.answer.depth_lower <= depth_upper + error && depth_lower <= c.answer.depth_upper + error,
-                        "{at}"
-                    );
-                    assert!(contacts.contains(&c.hulls[0].max(c.hulls[1])), "{at}");
+                    assert!(c.depth_lower <= depth_upper + error && depth_lower <= c.depth_upper + error, "{at}");
+                    assert!(contacts.contains(&c.parts[0].max(c.parts[1])), "{at}");
                 }
             }
             let mut visited = Vec::new();
-            compound::contacts(&whole, &*shape, pose, &settings, &mut cache, |pair, _| visited.push(pair[0]));
+            hullmap::contacts(&whole, &*shape, pose, &settings, &mut cache, |found| visited.push(found.parts[0]));
             visited.sort_unstable();
             assert_eq!(visited, contacts, "{at}");
             hits += usize::from(!contacts.is_empty());
             tried += 1;
         }
     }
-    println!("{hits} of {tried} in contact; {queried} of {} parts queried", tried * many.hull_count());
+    println!("{hits} of {tried} in contact; {queried} of {all} support queries");
     assert!((tried * 3 / 10..=tried * 7 / 10).contains(&hits), "{hits} of {tried}");
-    assert!(queried * 3 < tried * many.hull_count(), "{queried}");
+    assert!(queried * 3 < all, "{queried} of {all}");
 }
 
 /// The signed distance of a point: the minimum over all parts, and brute force from their vertices
@@ -297,15 +299,14 @@ fn signed_distance_is_the_minimum_over_all_parts() {
     for (name, parts) in [("one", pack(1, 0.5, 5)), ("eight", pack(8, 0.4, 7)), ("thirty", pack(30, 1.0, 6))] {
         let whole = Compound::new(&parts);
         let polytopes: Vec<Polytope> = parts.hulls().map(|hull| Polytope::new(&hull)).collect();
-        let mut cache = CompoundCache::new(4);
+        let mut cache = Cache::with_pairs(4);
         let mut rng = SplitMix64::new(SEED + 11);
         for number in 0..400 {
             let at = format!("{name}: point {number}, seed {SEED:#x}");
             let near = parts.hull(number % parts.hull_count()).unwrap();
             let away = DVec3::from_array(rng.direction()) * near.outer_radius() * rng.between(0.0, 2.0);
             let point = near.interior_point() + away;
-            let fast = compound::signed_distance(&whole, point, &settings, &mut cache).unwrap();
-            let found = fast.answer;
+            let found = hullmap::signed_distance(&whole, point, &settings, &mut cache).unwrap();
             assert!(found.lower <= found.distance && found.distance <= found.upper, "{at}: {found:?}");
             assert!(found.upper - found.lower <= 2e-5 * found.distance.abs() + 1e-12, "{at}: {found:?}");
 
@@ -315,8 +316,7 @@ fn signed_distance_is_the_minimum_over_all_parts() {
             let upper = twins.iter().map(|twin| twin.upper).fold(f64::INFINITY, f64::min);
             // Both intervals contain the minimum.
             assert!(found.lower <= upper && lower <= found.upper, "{at}: {found:?}, {lower} {upper}");
-            let of_part = &twins[fast.hulls[0]];
-            assert!(of_part.lower <= upper && fast.hulls[1] == 0, "{at}: {fast:?}");
+            assert!(twins[found.part as usize].lower <= upper, "{at}: {found:?}");
 
             // The highest plane of each part: the truth inside, a lower bound outside.
             let slack = 1e-14;
@@ -335,51 +335,57 @@ fn signed_distance_is_the_minimum_over_all_parts() {
                 assert!(found.lower - slack <= truth && truth <= found.upper + slack, "{at}: {truth} {found:?}");
                 outsides += 1;
             }
-            queried += fast.pairs as usize;
-            all += parts.hull_count();
+            queried += found.support_calls;
+            all += twins.iter().map(|twin| twin.support_calls).sum::<u32>();
         }
     }
-    println!("{insides} inside, {deeper} in several parts, {outsides} outside; {queried} of {all} parts queried");
+    println!("{insides} inside, {deeper} in several parts, {outsides} outside; {queried} of {all} support queries");
     assert!(insides > 200 && outsides > 60 && deeper > 50, "{insides} {outsides} {deeper}");
     assert!(queried * 3 < all, "{queried} of {all}");
 
-    let (two, mut cache) = (pack(2, 1.0, 1), CompoundCache::default());
+    let (two, mut cache) = (pack(2, 1.0, 1), Cache::new());
     for wrong in [f64::NAN, f64::INFINITY, 1e300] {
         let point = DVec3::new(0.0, wrong, 0.0);
-        assert!(compound::signed_distance(&Compound::new(&two), point, &settings, &mut cache).is_err());
+        assert!(hullmap::signed_distance(&Compound::new(&two), point, &settings, &mut cache).is_err());
     }
-    // A single shape is a compound of one part.
-    let ball: &(dyn Shape + Sync) = &Sphere::new(1.0).unwrap();
-    let ball = compound::signed_distance(ball, DVec3::X * 3.0, &settings, &mut cache).unwrap();
-    assert!((ball.answer.distance - 2.0).abs() < 1e-12 && ball.pairs == 1);
 }
 
 /// A half-space against a compound: the lowest of all parts.
 #[test]
 fn half_spaces_agree_with_all_parts() {
     let many = pack(24, 1.2, 3);
-    let whole = Compound::new(&many);
-    let mut rng = SplitMix64::new(SEED + 6);
+    let (mut rng, settings, mut cache) = (SplitMix64::new(SEED + 6), Settings::default(), Cache::new());
     let (mut hits, mut queried) = (0, 0);
     for (number, pose) in poses(1_000, 2.0, SEED + 6).into_iter().enumerate() {
         let plane = HalfSpace::new(rng.unit_vector(), rng.between(-2.0, 1.0)).unwrap();
-        let each: Vec<_> = many.hulls().map(|part| (plane.contact(&part, pose), plane.distance(&part, pose))).collect();
-        let greatest = |of: &dyn Fn(&Contact) -> f64| each.iter().map(|(c, _)| of(c)).fold(0.0, f64::max);
-        let (c, d) = (half_space::contact(&plane, &whole, pose), half_space::distance(&plane, &whole, pose));
-        let y = half_space::intersects(&plane, &whole, pose);
+        let (mut depths, mut uppers, mut gaps) = (vec![], vec![], vec![]);
+        for part in many.hulls() {
+            let c = hullmap::contact(&plane, &part, pose, &settings, &mut cache);
+            depths.push(c.depth);
+            uppers.push(c.depth_upper);
+            gaps.push(hullmap::distance(&plane, &part, pose, &settings, &mut cache).distance);
+        }
+        let greatest = |of: &[f64]| of.iter().copied().fold(0.0, f64::max);
+        let c = hullmap::contact(&plane, &many, pose, &settings, &mut cache);
+        let d = hullmap::distance(&plane, &many, pose, &settings, &mut cache);
+        let y = hullmap::intersects(&plane, &many, pose, &mut cache);
         let at = format!("seed {SEED:#x}, {number}: {c:?} {d:?} {y:?}");
-        let hit = each.iter().any(|(c, _)| c.hit);
-        assert_eq!((c.answer.hit, y.answer.is_hit()), (hit, hit), "{at}");
-        assert_eq!(c.answer.depth, greatest(&|c| c.depth), "{at}");
-        assert_eq!(c.answer.depth_upper, greatest(&|c| c.depth_upper), "{at}");
-        assert_eq!(d.answer.distance, each.iter().map(|(_, d)| d.distance).fold(f64::INFINITY, f64::min), "{at}");
-        assert_eq!(each[c.hulls[1]].0.point_b, c.answer.point_b, "{at}");
-        let one = half_space::contact(&plane, &many.hull(c.hulls[1]).unwrap(), pose);
-        assert_eq!((one.answer.depth, one.hulls), (c.answer.depth, [0, 0]), "{at}");
-        hits += usize::from(hit);
-        queried += c.pairs as usize;
+        let nearest = gaps.iter().copied().fold(f64::INFINITY, f64::min);
+        assert_eq!((c.hit, y.is_hit()), (nearest == 0.0, nearest == 0.0), "{at}");
+        assert_eq!((c.depth, c.depth_upper, d.distance), (greatest(&depths), greatest(&uppers), nearest), "{at}");
+        let part = many.hull(c.parts[1] as usize).unwrap();
+        let one = hullmap::contact(&plane, &part, pose, &settings, &mut cache);
+        assert_eq!((one.depth, one.point_b, one.parts, c.parts[0]), (c.depth, c.point_b, [0, 0], 0), "{at}");
+        let mut visited = 0;
+        hullmap::contacts(&plane, &many, pose, &settings, &mut cache, |found| {
+            assert_eq!(found.depth, depths[found.parts[1] as usize], "{at}");
+            visited += 1;
+        });
+        assert_eq!(visited, gaps.iter().filter(|gap| **gap == 0.0).count(), "{at}");
+        hits += usize::from(c.hit);
+        queried += c.support_calls;
     }
-    println!("{hits} of 1000 hit, {queried} parts queried");
+    println!("{hits} of 1000 hit, {queried} support queries");
     assert!((300..700).contains(&hits) && queried < 5_000, "{hits} {queried}");
 }
 
@@ -462,14 +468,15 @@ fn manifolds_of_shapes_and_half_spaces() {
         let t = f64::from(step);
         let pose = Pose::new(DVec3::new(0.0, 0.0, 50.9 - 0.03 * t), DQuat::from_rotation_x(0.01 * t)).unwrap();
         let counts = on_slab.update(slab, &whole, pose, &settings);
-        let below = on_floor.update_half_space(&floor, &whole, pose, &settings);
+        let below = on_floor.update(&floor, &whole, pose, &settings);
         assert_eq!(counts.touching, below.touching, "{step}");
         for ((pair, found), (twin_pair, twin)) in on_slab.iter().zip(on_floor.iter()) {
             assert_eq!(pair, twin_pair);
             let deepest = |m: &Manifold| m.points().iter().map(|p| p.depth).fold(f64::NEG_INFINITY, f64::max);
             // Depths within a tenth of the prediction count as equal.
             assert!((deepest(found) - deepest(twin)).abs() <= 0.1 * 0.05 + 1e-4, "{step}, {pair:?}");
-            let lowest = floor.contact(&many.hull(pair[1]).unwrap(), pose);
+            let hull = many.hull(pair[1]).unwrap();
+            let lowest = hullmap::contact(&floor, &hull, pose, &settings.contact, &mut Cache::new());
             let depth = (lowest.point_a - lowest.point_b).z;
             assert!((deepest(twin) - depth).abs() <= 0.1 * 0.05 + 1e-4, "{step}, {pair:?}");
         }
@@ -511,17 +518,20 @@ fn casts_agree_with_all_pairs() {
     let (mut hits, mut tried, mut queried, mut all) = (0, 0, 0, 0);
     for (name, a, b) in pairings() {
         let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
-        let mut cache = CompoundCache::default();
+        let mut cache = Cache::new();
         let mut rng = SplitMix64::new(SEED + 40);
         for (number, pose) in poses(600, 4.0, SEED + 40).into_iter().enumerate() {
             // Towards a point near A, at any speed; some are too short.
             let aim = DVec3::from_array(rng.direction()) * rng.between(0.0, 4.0);
             let motion = Motion::new((aim - pose.translation()) * rng.between(0.2, 2.0)).unwrap();
             let settings = CastSettings { max_t: [1.0, f64::INFINITY][number % 2], ..CastSettings::default() };
-            let each = pairs(&a, &b).map(|(_, a, b)| hullmap::cast(&a, &b, pose, motion, &settings, &mut Cache::new()));
-            let (t, [lower, upper]) = first_of(each);
-            let found = compound::cast(&whole_a, &whole_b, pose, motion, &settings, &mut cache);
-            let (answer, at) = (found.answer, format!("{name}: pose {number}, seed {SEED:#x}: {:?}", found.answer));
+            let each: Vec<_> = pairs(&a, &b)
+                .map(|(_, a, b)| hullmap::cast(&a, &b, pose, motion, &settings, &mut Cache::new()))
+                .collect();
+            let slow = each.iter().map(|found| found.support_calls).sum::<u32>();
+            let (t, [lower, upper]) = first_of(each.into_iter());
+            let found = hullmap::cast(&whole_a, &whole_b, pose, motion, &settings, &mut cache);
+            let (answer, at) = (found, format!("{name}: pose {number}, seed {SEED:#x}: {:?}", found));
             assert_eq!(answer.hit, lower.is_finite(), "{at}");
             tried += 1;
             let Some(t) = t else { continue };
@@ -529,15 +539,14 @@ fn casts_agree_with_all_pairs() {
             assert!(answer.t_lower <= upper && lower <= answer.t_upper, "{at}, {lower} to {upper}");
             assert!(answer.t_lower <= answer.t && answer.t <= answer.t_upper, "{at}");
             assert!((answer.t - t).abs() * motion.velocity().length() < 2e-5, "{at}: {t}");
-            let [hull_a, hull_b] = [a.hull(found.hulls[0]).unwrap(), b.hull(found.hulls[1]).unwrap()];
+            let [hull_a, hull_b] = hulls_of(&a, &b, found.parts);
             let alone = hullmap::cast(&hull_a, &hull_b, pose, motion, &settings, &mut Cache::new());
             assert!(alone.hit && alone.t_lower <= answer.t_upper, "{at}: {alone:?}");
             hits += 1;
-            queried += found.pairs as usize;
-            all += a.hull_count() * b.hull_count();
+            (queried, all) = (queried + found.support_calls, all + slow);
         }
     }
-    println!("{hits} of {tried} hit; {queried} of {all} pairs queried");
+    println!("{hits} of {tried} hit; {queried} of {all} support queries");
     assert!((tried * 3 / 10..=tried * 7 / 10).contains(&hits), "{hits} of {tried} hit");
     assert!(queried * 2 < all, "{queried} of {all}");
 }
@@ -549,11 +558,11 @@ fn casts_at_rest_and_overlapping_ones() {
     let (settings, mut hits) = (CastSettings::default(), 0);
     let poses = poses(200, 2.0, SEED + 50);
     for pose in &poses {
-        let overlaps = compound::intersects(&whole_a, &whole_b, *pose, &mut CompoundCache::default()).answer.is_hit();
+        let overlaps = hullmap::intersects(&whole_a, &whole_b, *pose, &mut Cache::new()).is_hit();
         for velocity in [DVec3::ZERO, DVec3::X * 1e-300, DVec3::Y, DVec3::Z * 1e30] {
             let motion = Motion::new(velocity).unwrap();
-            let cache = &mut CompoundCache::default();
-            let found = compound::cast(&whole_a, &whole_b, *pose, motion, &settings, cache).answer;
+            let cache = &mut Cache::new();
+            let found = hullmap::cast(&whole_a, &whole_b, *pose, motion, &settings, cache);
             if overlaps {
                 assert!(found.status == Status::Overlapping && found.t == 0.0 && found.t_upper == 0.0, "{found:?}");
             } else if velocity == DVec3::ZERO {
@@ -578,40 +587,42 @@ fn rays_and_half_space_casts_agree_with_all_parts() {
             let origin = DVec3::from_array(rng.direction()) * rng.between(0.0, 5.0);
             let aim = DVec3::from_array(rng.direction()) * rng.between(0.0, 2.0);
             let ray = Ray::new(origin, (aim - origin) * rng.between(0.1, 3.0)).unwrap();
-            let each = pack.hulls().map(|hull| {
-                let found = hullmap::ray(&hull, &ray, &settings);
-                let (hit, status, t) = (found.hit, found.status, found.t);
-                Impact { hit, status, t, t_lower: found.t_lower, t_upper: found.t_upper, ..Impact::default() }
+            let each: Vec<_> = pack.hulls().map(|hull| hullmap::ray(&hull, &ray, &settings)).collect();
+            let slow = each.iter().map(|found| found.support_calls).sum::<u32>();
+            let each = each.into_iter().map(|found| {
+                let RayHit { hit, status, t, t_lower, t_upper, support_calls, .. } = found;
+                Impact { hit, status, t, t_lower, t_upper, support_calls, ..Impact::default() }
             });
             let (t, [lower, upper]) = first_of(each);
-            let found = compound::ray(&whole, &ray, &settings);
-            let (answer, at) = (found.answer, format!("{name}: ray {number}, seed {SEED:#x}: {:?}", found.answer));
+            let found = hullmap::ray(&whole, &ray, &settings);
+            let (answer, at) = (found, format!("{name}: ray {number}, seed {SEED:#x}: {:?}", found));
             assert_eq!(answer.hit, lower.is_finite(), "{at}");
             tried += 1;
             let Some(t) = t else { continue };
             // No cache: the same bits as the part by itself.
             assert_eq!(answer.t, t, "{at}");
             assert_eq!([answer.t_lower, answer.t_upper], [lower, upper], "{at}");
-            let part = hullmap::ray(&pack.hull(found.hulls[0]).unwrap(), &ray, &settings);
+            let part = hullmap::ray(&pack.hull(found.part as usize).unwrap(), &ray, &settings);
             assert_eq!((part.t, part.normal, part.point), (answer.t, answer.normal, answer.point), "{at}");
             hits += 1;
-            queried += found.pairs as usize;
-            all += pack.hull_count();
+            (queried, all) = (queried + found.support_calls, all + slow);
         }
         let wall = HalfSpace::new(DVec3::new(0.3, -0.5, 0.8), 0.2).unwrap();
         for pose in poses(300, 6.0, SEED + 42) {
             let motion = Motion::new(DVec3::from_array(rng.direction())).unwrap();
-            let (t, [lower, upper]) = first_of(pack.hulls().map(|hull| wall.cast(&hull, pose, motion, &settings)));
-            let found = half_space::cast(&wall, &whole, pose, motion, &settings).answer;
+            let cast =
+                |hull: hullmap::Hull<'_>| hullmap::cast(&wall, &hull, pose, motion, &settings, &mut Cache::new());
+            let (t, [lower, upper]) = first_of(pack.hulls().map(cast));
+            let found = hullmap::cast(&wall, &whole, pose, motion, &settings, &mut Cache::new());
             assert_eq!(found.hit, lower.is_finite(), "{found:?}");
             if let Some(t) = t {
                 assert_eq!((found.t, found.t_lower, found.t_upper), (t, lower, upper), "{found:?}");
             }
         }
     }
-    println!("{hits} of {tried} hit; {queried} of {all} parts queried");
+    println!("{hits} of {tried} hit; {queried} of {all} support queries");
     assert!((tried * 3 / 10..=tried * 7 / 10).contains(&hits), "{hits} of {tried} hit");
-    assert!(queried * 2 < all, "{queried} of {all}");
+    assert!(queried * 3 < 2 * all, "{queried} of {all}");
 }
 
 /// A sheet of `side` × `side` rocks, which overlap slightly.
@@ -637,7 +648,7 @@ fn sheet(side: usize) -> Pack {
 fn work_grows_with_the_logarithm_of_the_number_of_parts() {
     let rock = sheet(1);
     let settings = Settings::default();
-    let mut counts: Vec<[[f64; 4]; 2]> = Vec::new();
+    let mut counts: Vec<[[f64; 3]; 2]> = Vec::new();
     for side in [4, 8, 16, 32] {
         let large = sheet(side);
         let whole = Compound::new(&large);
@@ -646,7 +657,7 @@ fn work_grows_with_the_logarithm_of_the_number_of_parts() {
             let single = Compound::new(&rock);
             let other = if against_itself { &whole } else { &single };
             let mut rng = SplitMix64::new(SEED);
-            let mut work = [0.0; 4];
+            let mut work = [0.0; 3];
             for _ in 0..100 {
                 let reach = half - 1.0;
                 let over = DVec3::new(rng.between(-reach, reach), rng.between(-reach, reach), 0.0);
@@ -657,24 +668,22 @@ fn work_grows_with_the_logarithm_of_the_number_of_parts() {
                     corner = rotation * DVec3::new(half, -half, 0.0);
                 }
                 let at = |height: f64| Pose::new(over + DVec3::Z * height - corner, rotation).unwrap();
-                let gap = compound::distance(&whole, other, at(1.3), &settings, &mut CompoundCache::default());
-                let apart = compound::intersects(&whole, other, at(1.3), &mut CompoundCache::default());
+                let gap = hullmap::distance(&whole, other, at(1.3), &settings, &mut Cache::new());
                 let manifolds =
                     CompoundManifolds::new(64).update(&whole, other, at(0.85), &ManifoldSettings::default());
-                work[0] += f64::from(gap.pairs) / 100.0;
-                work[1] += f64::from(gap.boxes + apart.boxes) / 100.0;
-                work[2] += f64::from(manifolds.pairs) / 100.0;
-                work[3] += f64::from(manifolds.boxes) / 100.0;
+                work[0] += f64::from(gap.support_calls) / 100.0;
+                work[1] += f64::from(manifolds.pairs) / 100.0;
+                work[2] += f64::from(manifolds.boxes) / 100.0;
             }
             work
         }));
     }
-    println!("pairs and boxes of distances, then of manifolds: {counts:.1?}");
+    println!("support queries of distances, pairs and boxes of manifolds: {counts:.1?}");
     for kind in 0..2 {
         let [small, .., large] = counts.as_slice() else { panic!("several sizes") };
         let (small, large) = (small[kind], large[kind]);
         // Sixty-four times as many parts: ten levels of each tree instead of four.
-        assert!(large[0] <= 2.5 * small[0] && large[2] <= 1.5 * small[2], "{kind}: {counts:.1?}");
-        assert!(large[1] <= 3.5 * small[1] && large[3] <= 3.0 * small[3], "{kind}: {counts:.1?}");
+        assert!(large[0] <= 2.5 * small[0] && large[1] <= 1.5 * small[1], "{kind}: {counts:.1?}");
+        assert!(large[2] <= 3.0 * small[2], "{kind}: {counts:.1?}");
     }
 }

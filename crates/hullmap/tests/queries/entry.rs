@@ -4,10 +4,7 @@
 use crate::any_shape::{cast, distance, ray, signed_distance};
 use glam::DVec3;
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Scaled, Sphere};
-use hullmap::{
-    Cache, CastSettings, CompoundCache, Impact, Motion, Pack, Pose, Ray, RayHit, Settings, Shape, Status, SupportMap,
-    compound,
-};
+use hullmap::{Cache, CastSettings, Impact, Motion, Pack, Pose, Ray, RayHit, Settings, Shape, Status, SupportMap};
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::{
     entry::{Passage, passage, passage_of_point},
@@ -552,7 +549,9 @@ fn all_entries(size: f64, start: DVec3, velocity: DVec3, settings: &CastSettings
     let (motion, line, at) =
         (Motion::new(velocity).unwrap(), Ray::new(start, velocity).unwrap(), Pose::from_translation(start).unwrap());
     let (cube, ball) = (Cuboid::new(DVec3::splat(size)).unwrap(), Sphere::new(size).unwrap());
-    let (floor, one) = (HalfSpace::new(DVec3::X, size).unwrap(), &cube as &(dyn Shape + Sync));
+    let corners: Vec<[f32; 3]> =
+        (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|bit| (2 * bit - 1) as f32 * size as f32)).collect();
+    let (floor, one) = (HalfSpace::new(DVec3::X, size).unwrap(), tree_pack(&corners));
     let of_ray = |found: RayHit| {
         let RayHit { hit, status, t, t_lower, t_upper, point, .. } = found;
         Impact { hit, status, t, t_lower, t_upper, point_a: point, point_b: point, ..Impact::default() }
@@ -561,13 +560,13 @@ fn all_entries(size: f64, start: DVec3, velocity: DVec3, settings: &CastSettings
     vec![
         ("ray at a box", of_ray(ray(&cube, &line, settings))),
         ("ray at a ball", of_ray(ray(&ball, &line, settings))),
-        ("ray at a half-space", of_ray(floor.ray(&line, settings))),
-        ("ray at a compound", of_ray(compound::ray(one, &line, settings).answer)),
+        ("ray at a half-space", of_ray(hullmap::ray(&floor, &line, settings))),
+        ("ray at a compound", of_ray(hullmap::ray(&one, &line, settings))),
         ("box", cast(&cube, &cube, at, motion, settings, none)),
         ("ball", cast(&cube, &ball, at, motion, settings, none)),
-        ("box and half-space", floor.cast(&cube, at, motion, settings)),
-        ("compound and half-space", compound::half_space::cast(&floor, &cube, at, motion, settings).answer),
-        ("compound", compound::cast(one, one, at, motion, settings, &mut CompoundCache::default()).answer),
+        ("box and half-space", hullmap::cast(&floor, &cube, at, motion, settings, none)),
+        ("compound and half-space", hullmap::cast(&floor, &one, at, motion, settings, none)),
+        ("compound", hullmap::cast(&one, &one, at, motion, settings, &mut Cache::new())),
     ]
 }
 
@@ -580,7 +579,7 @@ fn power_of_two(exponent: i32) -> f64 {
 #[test]
 fn subnormal_velocities_keep_their_digits() {
     // The lengths are so small that the times are finite.
-    let (size, settings) = (1e-17, CastSettings::default());
+    let (size, settings) = (power_of_two(-56), CastSettings::default());
     for exponent in [100, 30, -1, -160, -400, -401, -540, -900, -1022, -1050, -1074] {
         // Of length 5, exactly. The paths start at x = 1e-15.
         let unit = power_of_two(exponent);
@@ -682,7 +681,8 @@ fn without_motion_only_the_start_counts() {
         assert!(found.point_b.distance(pose.translation()) <= 0.5 + 1e-15, "{found:?}");
     }
     let floor = HalfSpace::new(DVec3::Z, 1.0).unwrap();
-    let found = floor.cast(&ball, Pose::IDENTITY, Motion::new(DVec3::Z).unwrap(), &CastSettings::default());
+    let (up, settings) = (Motion::new(DVec3::Z).unwrap(), CastSettings::default());
+    let found = hullmap::cast(&floor, &ball, Pose::IDENTITY, up, &settings, &mut Cache::new());
     assert!(found.status == Status::Overlapping && found.point_a == found.point_b, "{found:?}");
     // With a limit of 0, of NaN, or below 0, too.
     for max_t in [0.0, f64::NAN, -1.0] {

@@ -1,10 +1,16 @@
 //! Manifolds of a half-space: compared with the manifolds of a large box, which has the same
-//! surface.
+//! surface. A half-space as B.
+
+use std::sync::Arc;
 
 use crate::any_shape::update;
+use crate::compound::pack;
 use glam::{DQuat, DVec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Segment, Sphere, Triangle};
-use hullmap::{Cache, Manifold, ManifoldSettings, Pack, Pose, Prediction, Shape};
+use hullmap::{
+    Cache, CastSettings, ClearSettings, CompoundManifolds, Manifold, ManifoldSettings, Motion, MotionSettings, Overlap,
+    Pack, Pose, Prediction, RigidMotion, Settings, Shape, SharedGeometry,
+};
 use hullmap_testkit::{packs::tree_pack, random::RandomPoses};
 use shapes::{families::Family, rng::SplitMix64};
 
@@ -170,4 +176,109 @@ fn nothing_depends_on_the_scale() {
         assert!((contact.depth - 0.01 * size).abs() < 1e-13 * size, "{contact:?}");
         assert_eq!(manifold.points().len(), 4, "{size}");
     }
+}
+
+/// A half-space as B has the answers of the exchanged pair, against a shape and a pack: the same
+/// numbers, points and normals in the frame of the other, and the manifolds keep their points.
+#[test]
+fn a_half_space_as_b_has_the_exchanged_answers() {
+    let seed = 0xb0;
+    println!("seed {seed}");
+    let (mut rng, pack) = (SplitMix64::new(seed), pack(5, 1.0, 7));
+    let shape = Cuboid::new(DVec3::new(0.3, 0.7, 0.5)).unwrap();
+    let things = [SharedGeometry::from(Arc::new(pack)), SharedGeometry::from_shape(shape)];
+    let (settings, casts, motions) = (Settings::default(), CastSettings::default(), MotionSettings::default());
+    let (mut hits, mut rounds, none) = (0, 0, || Cache::new());
+    for thing in &things {
+        for _ in 0..300 {
+            let wall = HalfSpace::new(rng.unit_vector(), rng.between(-1.5, 0.5)).unwrap();
+            // The thing in the frame of the wall, and the wall in that of the thing.
+            let pose = Pose::new(rng.unit_vector(), rng.rotation()).unwrap();
+            let back = pose.inverse();
+            let point = |p: DVec3, q: DVec3| assert!(back.transform_point(p).distance(q) < 1e-12, "{p} {q}");
+            let normal = |n: DVec3, m: DVec3| assert!(back.transform_vector(-n).distance(m) < 1e-12, "{n} {m}");
+            let near = |x: f64, y: f64| assert!((x - y).abs() < 1e-10 * (1.0 + x.abs()) || x == y, "{x} {y}");
+
+            let (c, turned) = (
+                hullmap::contact(&wall, thing, pose, &settings, &mut none()),
+                hullmap::contact(thing, &wall, back, &settings, &mut none()),
+            );
+            assert_eq!((c.hit, c.parts), (turned.hit, [turned.parts[1], turned.parts[0]]));
+            near(c.depth, turned.depth);
+            normal(c.normal, turned.normal);
+            (point(c.point_a, turned.point_b), point(c.point_b, turned.point_a));
+            let yes = hullmap::intersects(thing, &wall, back, &mut none());
+            assert_eq!((yes.is_hit(), yes.parts), (c.hit, turned.parts));
+            let (d, turned) = (
+                hullmap::distance(&wall, thing, pose, &settings, &mut none()),
+                hullmap::distance(thing, &wall, back, &settings, &mut none()),
+            );
+            near(d.distance, turned.distance);
+            (point(d.point_a, turned.point_b), point(d.point_b, turned.point_a));
+            let mut seen = Vec::new();
+            hullmap::contacts(thing, &wall, back, &settings, &mut none(), |c| seen.push(c.parts[0]));
+            assert_eq!(seen.contains(&c.parts[1]), c.hit);
+
+            // The thing moves by a velocity in the frame of the wall: there, the wall moves against
+            // it.
+            let velocity = rng.unit_vector();
+            let against = Motion::new(back.transform_vector(-velocity)).unwrap();
+            let (i, turned) = (
+                hullmap::cast(&wall, thing, pose, Motion::new(velocity).unwrap(), &casts, &mut none()),
+                hullmap::cast(thing, &wall, back, against, &casts, &mut none()),
+            );
+            assert_eq!((i.hit, i.status, i.parts), (turned.hit, turned.status, [turned.parts[1], turned.parts[0]]));
+            near(i.t, turned.t);
+            if i.hit {
+                // At the time of impact, the thing is at `pose` plus the way.
+                let on = |p: DVec3| back.transform_point(p - velocity * i.t);
+                let apart = on(i.point_b).distance(turned.point_a).max(on(i.point_a).distance(turned.point_b));
+                assert!(apart < 1e-9 * (1.0 + i.t), "{apart}");
+            }
+            let end = Pose::new(rng.unit_vector(), rng.rotation()).unwrap();
+            let (still, moving) = (RigidMotion::still(Pose::IDENTITY), RigidMotion::between(pose, end).unwrap());
+            let t = hullmap::cast_motion(&wall, &still, thing, &moving, &motions, &mut none());
+            let turned = hullmap::cast_motion(thing, &moving, &wall, &still, &motions, &mut none());
+            assert_eq!((t.hit, t.t, t.point_a, t.normal), (turned.hit, turned.t, turned.point_b, -turned.normal));
+            let way = ClearSettings::default();
+            let free = hullmap::clear(&wall, &still, thing, &moving, &way, &mut none());
+            let turned = hullmap::clear(thing, &moving, &wall, &still, &way, &mut none());
+            assert_eq!((free.verdict, free.clearance), (turned.verdict, turned.clearance));
+            assert_eq!(free.parts, [turned.parts[1], turned.parts[0]]);
+
+            let (mut own, mut exchanged) = (CompoundManifolds::new(5), CompoundManifolds::new(5));
+            for step in 0..3 {
+                let pose = Pose::new(pose.translation() + wall.normal() * (0.01 * f64::from(step)), pose.rotation());
+                let pose = pose.unwrap();
+                own.update(&wall, thing, pose, &ManifoldSettings::default());
+                exchanged.update(thing, &wall, pose.inverse(), &ManifoldSettings::default());
+                assert_eq!(own.len(), exchanged.len());
+                for (([_, part], of_wall), (pair, found)) in own.iter().zip(exchanged.iter()) {
+                    assert_eq!(pair, [part, 0]);
+                    for (p, q) in of_wall.points().iter().zip(found.points()) {
+                        assert_eq!((p.id.on_a(), p.id.on_b(), p.age), (q.id.on_b(), q.id.on_a(), q.age));
+                        near(p.depth, q.depth);
+                        assert!(p.local_b.distance(q.point_a) < 1e-12 && p.point_a.distance(q.local_b) < 1e-12);
+                        assert!((q.point_a - q.point_b - found.normal() * q.depth).length() < 1e-6);
+                    }
+                }
+            }
+            (hits, rounds) = (hits + usize::from(c.hit), rounds + 1);
+        }
+    }
+    assert!((rounds * 3 / 10..rounds * 7 / 10).contains(&hits), "{hits} of {rounds} overlap");
+}
+
+/// Two half-spaces: nothing is claimed.
+#[test]
+fn two_half_spaces_claim_nothing() {
+    let (floor, none) = (HalfSpace::new(DVec3::Z, 0.0).unwrap(), &mut Cache::new());
+    let settings = Settings::default();
+    let c = hullmap::contact(&floor, &floor, Pose::IDENTITY, &settings, none);
+    let d = hullmap::distance(&floor, &floor, Pose::IDENTITY, &settings, none);
+    assert_eq!([c.depth_lower, c.depth_upper, d.lower, d.upper], [0.0, f64::INFINITY, 0.0, f64::INFINITY]);
+    assert_eq!(hullmap::intersects(&floor, &floor, Pose::IDENTITY, none).status, Overlap::Undecided);
+    let shared = SharedGeometry::from(floor);
+    let error = shared.check_pair(&shared).unwrap_err().to_string();
+    assert!(error.starts_with("two half-spaces have no query"), "{error}");
 }

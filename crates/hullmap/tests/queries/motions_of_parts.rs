@@ -5,11 +5,9 @@ use std::f64::consts::PI;
 
 use crate::compound::{pack, pairings, pairs};
 use glam::{DQuat, DVec3};
-use hullmap::compound::half_space;
-use hullmap::shapes::{Capsule, Cuboid, HalfSpace, Sphere};
+use hullmap::shapes::{Cuboid, HalfSpace, Sphere};
 use hullmap::{
-    Cache, Compound, CompoundCache, Hull, MotionSettings, Pose, RigidMotion, Settings, Shape, Status, TimeOfImpact,
-    cast_motion, compound,
+    Cache, Compound, Hull, MotionSettings, Pose, RigidMotion, Settings, Shape, Status, TimeOfImpact, cast_motion,
 };
 use shapes::rng::SplitMix64;
 
@@ -50,7 +48,7 @@ fn first<'a>(all: impl Iterator<Item = &'a TimeOfImpact>) -> ([f64; 2], bool) {
 
 #[test]
 fn compounds_meet_when_the_first_of_their_pairs_does() {
-    let (mut rng, mut cache) = (SplitMix64::new(SEED), CompoundCache::default());
+    let (mut rng, mut cache) = (SplitMix64::new(SEED), Cache::new());
     let (mut hits, mut misses, mut queries, mut all_queries) = (0, 0, 0, 0);
     for (name, a, b) in pairings() {
         let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
@@ -58,14 +56,14 @@ fn compounds_meet_when_the_first_of_their_pairs_does() {
             let (motion_a, motion_b) = (motion(&mut rng, 1.0), motion(&mut rng, 4.0));
             let cast = |limit| {
                 let settings = settings(limit);
-                compound::cast_motion(&whole_a, &motion_a, &whole_b, &motion_b, &settings, &mut CompoundCache::new(4))
+                hullmap::cast_motion(&whole_a, &motion_a, &whole_b, &motion_b, &settings, &mut Cache::with_pairs(4))
             };
             let each: Vec<TimeOfImpact> = pairs(&a, &b)
                 .map(|(_, a, b)| cast_motion(&a, &motion_a, &b, &motion_b, &settings(200), &mut Cache::new()))
                 .collect();
             let ([lower, upper], is_narrow) = first(each.iter());
             let fast = cast(100_000);
-            let found = fast.answer;
+            let found = fast;
             let what = || format!("{name}: motion {number}, seed {SEED:#x}: [{lower}, {upper}] {fast:?}");
             // Both intervals contain the time of impact.
             assert!(found.t_lower <= upper && lower <= found.t_upper, "{}", what());
@@ -74,7 +72,7 @@ fn compounds_meet_when_the_first_of_their_pairs_does() {
             if found.hit && found.t_upper <= 1.0 {
                 hits += 1;
                 assert!(found.t_lower <= found.t && found.t <= found.t_upper, "{}", what());
-                let own = &each[fast.hulls[0] * b.hull_count() + fast.hulls[1]];
+                let own = &each[fast.parts[0] as usize * b.hull_count() + fast.parts[1] as usize];
                 assert!(own.hit && own.t_lower <= found.t_upper && found.t_lower <= own.t_upper, "{}", what());
                 assert!(found.t_upper - found.t_lower < 1e-3 || !is_narrow, "{}", what());
             } else {
@@ -84,14 +82,14 @@ fn compounds_meet_when_the_first_of_their_pairs_does() {
             all_queries += each.iter().map(|found| found.iterations as usize).sum::<usize>();
             // Whatever the limit, the interval is true, and it is kept.
             for limit in [0, 1, 2, 3, 5, 10, 20, 50] {
-                let cut = cast(limit).answer;
+                let cut = cast(limit);
                 assert!(cut.iterations <= limit * turns([&motion_a, &motion_b]) + 1, "{limit}: {cut:?}; {}", what());
                 assert!(cut.t_lower <= upper && lower <= cut.t_upper, "{limit}: {cut:?}; {}", what());
                 assert!(cut.hit || !found.hit, "{limit}: {cut:?}; {}", what());
             }
             // With a cache that other motions have filled.
-            let warm = compound::cast_motion(&whole_a, &motion_a, &whole_b, &motion_b, &settings(100_000), &mut cache);
-            assert!(warm.answer.t_lower <= upper && lower <= warm.answer.t_upper, "{warm:?}; {}", what());
+            let warm = hullmap::cast_motion(&whole_a, &motion_a, &whole_b, &motion_b, &settings(100_000), &mut cache);
+            assert!(warm.t_lower <= upper && lower <= warm.t_upper, "{warm:?}; {}", what());
         }
     }
     println!("{hits} hits, {misses} misses; {queries} of {all_queries} queries");
@@ -104,16 +102,16 @@ fn compounds_meet_when_the_first_of_their_pairs_does() {
 fn compounds_are_apart_until_the_lower_bound() {
     let (mut rng, a, b) = (SplitMix64::new(SEED + 1), pack(8, 1.0, 11), pack(9, 1.2, 12));
     let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
-    let mut cache = CompoundCache::default();
+    let mut cache = Cache::new();
     let mut judged = 0;
     for number in 0..80 {
         let (motion_a, motion_b) = (motion(&mut rng, 1.0), motion(&mut rng, 4.0));
         let target_distance = [0.0, 0.05, 0.5][number % 3];
         let settings = MotionSettings { target_distance, ..settings(5_000) };
-        let found = compound::cast_motion(&whole_a, &motion_a, &whole_b, &motion_b, &settings, &mut cache).answer;
+        let found = hullmap::cast_motion(&whole_a, &motion_a, &whole_b, &motion_b, &settings, &mut cache);
         let mut gap = |t: f64| {
             let b_in_a = Pose::relative(motion_a.pose_at(t), motion_b.pose_at(t)).unwrap();
-            compound::distance(&whole_a, &whole_b, b_in_a, &Settings::default(), &mut cache).answer
+            hullmap::distance(&whole_a, &whole_b, b_in_a, &Settings::default(), &mut cache)
         };
         let until = if found.hit { found.t_lower } else { 1.0 };
         for sample in 0..100 {
@@ -130,25 +128,6 @@ fn compounds_are_apart_until_the_lower_bound() {
         }
     }
     assert!(judged > 3_000, "{judged}");
-}
-
-/// A single shape counts as a compound of one part.
-#[test]
-fn single_shapes_have_the_answer_of_the_pair() {
-    let rod: &(dyn Shape + Sync) = &Capsule::new(1.0, 0.1).unwrap();
-    let ball: &(dyn Shape + Sync) = &Sphere::new(0.3).unwrap();
-    let mut rng = SplitMix64::new(SEED + 2);
-    for _ in 0..200 {
-        let (motion_a, motion_b) = (motion(&mut rng, 0.5), motion(&mut rng, 2.0));
-        let usual = MotionSettings::default();
-        let pair = cast_motion(rod, &motion_a, ball, &motion_b, &usual, &mut Cache::new());
-        let found = compound::cast_motion(rod, &motion_a, ball, &motion_b, &usual, &mut CompoundCache::new(1)).answer;
-        if pair.hit {
-            assert_eq!(found, pair);
-        } else {
-            assert_eq!((found.hit, found.status), (false, Status::Separated));
-        }
-    }
 }
 
 /// Height of the lowest vertex of a hull over a plane at time `t`, by a scan.
@@ -175,9 +154,9 @@ fn half_spaces_meet_the_lowest_vertex() {
         let motion_b = motion(&mut rng, 2.0);
         let one = number % 2 == 0;
         let (found, hulls) = if one {
-            (plane.cast_motion(&motion_a, &hulls[0], &motion_b, &settings(200)), &hulls[..1])
+            (cast_motion(&plane, &motion_a, &hulls[0], &motion_b, &settings(200), &mut Cache::new()), &hulls[..1])
         } else {
-            (half_space::cast_motion(&plane, &motion_a, &whole, &motion_b, &settings(2_000)).answer, &hulls[..])
+            (cast_motion(&plane, &motion_a, &whole, &motion_b, &settings(2_000), &mut Cache::new()), &hulls[..])
         };
         let height = |t: f64| height(&plane, &motion_a, hulls, &motion_b, t);
         let what = || format!("{number}, seed {SEED:#x}: {found:?} {plane:?} {motion_a:?} {motion_b:?}");
@@ -216,7 +195,7 @@ fn a_half_space_turns_into_a_ball() {
     let still = RigidMotion::still(Pose::from_translation(DVec3::new(2.0, 1.5, 0.3)).unwrap());
     for angle in [0.5, 1.0, 3.0, 6.0, 100.0] {
         let closing = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Z * angle, DVec3::ZERO).unwrap();
-        let found = door.cast_motion(&closing, ball, &still, &MotionSettings::default());
+        let found = cast_motion(&door, &closing, ball, &still, &MotionSettings::default(), &mut Cache::new());
         // The centre is at a distance of 2.5 from the hinge, at the angle ψ.
         let t = ((1.5_f64).atan2(2.0) - (0.25_f64 / 2.5).asin()) / angle;
         if t > 1.0 {
@@ -230,12 +209,7 @@ fn a_half_space_turns_into_a_ball() {
     // It only spins about its normal: never closer, however often.
     for angle in [0.1, 3.0, 1e4] {
         let spinning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Y * angle, DVec3::X).unwrap();
-        let found = door.cast_motion(
-            &spinning,
-            ball,
-            &still,
-            &MotionSettings { max_iterations: 20_000, ..MotionSettings::default() },
-        );
+        let found = cast_motion(&door, &spinning, ball, &still, &settings(20_000), &mut Cache::new());
         assert!(!found.hit, "{angle}: {found:?}");
     }
 }
@@ -251,7 +225,7 @@ fn settings_out_of_range_are_harmless() {
     .unwrap();
     let still = RigidMotion::still(Pose::IDENTITY);
     let run = |settings: MotionSettings| {
-        compound::cast_motion(&whole_a, &still, &whole_b, &falling, &settings, &mut CompoundCache::new(2)).answer
+        hullmap::cast_motion(&whole_a, &still, &whole_b, &falling, &settings, &mut Cache::with_pairs(2))
     };
     let expected = run(MotionSettings::default());
     assert_eq!(expected.status, Status::Within, "{expected:?}");
@@ -272,7 +246,7 @@ fn half_spaces_at_extreme_sizes() {
         let floor = HalfSpace::new(DVec3::NEG_Y, -0.6 * size).unwrap();
         let turning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Z * (0.5 * PI), DVec3::ZERO).unwrap();
         let still = RigidMotion::still(Pose::IDENTITY);
-        let found = floor.cast_motion(&still, rod, &turning, &MotionSettings::default());
+        let found = cast_motion(&floor, &still, rod, &turning, &MotionSettings::default(), &mut Cache::new());
         let t = ((0.6 / 1.0001_f64.sqrt()).asin() - 0.01_f64.atan()) / (0.5 * PI);
         assert!(
             found.status == Status::Within && found.t_lower <= t + 1e-14 && t - 1e-14 <= found.t_upper,

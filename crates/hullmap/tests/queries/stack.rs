@@ -5,10 +5,10 @@ use std::hint::black_box;
 use std::process::Command;
 
 use hullmap::{
-    Cache, CastSettings, Compound, CompoundCache, CompoundManifolds, Contact, Feature, Manifold, ManifoldSettings,
-    Motion, Pack, Pose, Ray, Scratch, Settings, Shape,
+    Cache, CastSettings, Compound, CompoundManifolds, Contact, Feature, Manifold, ManifoldSettings, Motion, Pack, Pose,
+    Ray, Scratch, Settings, Shape,
     batch::{self, Pair},
-    cascade, cast, compound, contact, distance,
+    cast, contact, distance,
     glam::{DQuat, DVec3, Vec3},
     intersects, ray,
     shapes::{Capsule, Rounded, Sphere},
@@ -105,17 +105,17 @@ fn on_stack(size: usize, settings: Settings, with_scratch: bool) -> u32 {
         let whole = Compound::new(&pack);
         let mut manifolds = CompoundManifolds::new(9);
         for pose in poses() {
-            let mut cache = CompoundCache::new(4);
+            let mut cache = Cache::with_pairs(4);
             if let Some(scratch) = scratch.take() {
                 cache.set_scratch(scratch);
             }
-            black_box(compound::intersects(&whole, &whole, pose, &mut cache));
-            black_box(compound::distance(&whole, &whole, pose, &settings, &mut cache));
-            black_box(compound::contact(&whole, &whole, pose, &settings, &mut cache));
+            black_box(hullmap::intersects(&whole, &whole, pose, &mut cache));
+            black_box(hullmap::distance(&whole, &whole, pose, &settings, &mut cache));
+            black_box(hullmap::contact(&whole, &whole, pose, &settings, &mut cache));
             let (motion, limits) = (Motion::new(-pose.translation()).unwrap(), CastSettings::default());
-            black_box(compound::cast(&whole, &whole, pose, motion, &limits, &mut cache));
-            black_box(compound::ray(&whole, &Ray::new(pose.translation(), DVec3::X).unwrap(), &limits));
-            black_box(compound::signed_distance(&whole, pose.translation(), &settings, &mut cache).unwrap());
+            black_box(hullmap::cast(&whole, &whole, pose, motion, &limits, &mut cache));
+            black_box(hullmap::ray(&whole, &Ray::new(pose.translation(), DVec3::X).unwrap(), &limits));
+            black_box(hullmap::signed_distance(&whole, pose.translation(), &settings, &mut cache).unwrap());
             if let Some(scratch) = cache.take_scratch() {
                 manifolds.set_scratch(scratch);
             }
@@ -129,8 +129,6 @@ fn on_stack(size: usize, settings: Settings, with_scratch: bool) -> u32 {
             }
             scratch = cache.take_scratch();
             assert_eq!(scratch.is_some(), with_scratch, "the scratch memory is lost");
-            let stages = cascade::Stages::default();
-            black_box(cascade::intersects(&hulls[0], &hulls[1], pose, stages, &mut Cache::new()));
         }
         most
     };

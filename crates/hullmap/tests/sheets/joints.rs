@@ -2,10 +2,10 @@
 //! answers, certainly. `hullmap_tests::sheets::joints` has random ones.
 
 use glam::DVec3;
-use hullmap::compound::{self, OneSided};
+use hullmap::compound::OneSided;
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap::shapes::Sphere;
-use hullmap::{CastSettings, Compound, CompoundCache, Motion, Pack, Pose, Ray, Status, TriangleMesh};
+use hullmap::{Cache, CastSettings, Compound, Motion, Pack, Pose, Ray, Status, TriangleMesh};
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{bytes, point_set};
 
@@ -53,23 +53,23 @@ fn rays_at_a_ridge_hit_the_roof() {
         ([0.0, 1.0 / 3.0, 5.0], [0.0, 1e-17, -1.0]),
     ] {
         let line = ray(origin, direction);
-        let answers = [compound::ray(&roof, &line, &settings), compound::ray(&OneSided::new(&roof), &line, &settings)];
-        for found in answers.map(|found| found.answer) {
+        let answers = [hullmap::ray(&roof, &line, &settings), hullmap::ray(&OneSided::new(&roof), &line, &settings)];
+        for found in answers.map(|found| found) {
             assert_eq!((found.hit, found.status, found.t), (true, Status::Exact, 4.0), "{line:?}: {found:?}");
             assert!(found.point.z == 1.0 && found.normal.z > 0.9, "{line:?}: {found:?}");
         }
         let dot = (Sphere::new(0.0).unwrap(), Pose::from_translation(line.origin()).unwrap());
         let motion = Motion::new(line.direction()).unwrap();
-        let cast = compound::cast(&roof, &dot.0, dot.1, motion, &settings, &mut CompoundCache::default()).answer;
+        let cast = hullmap::cast(&roof, &dot.0, dot.1, motion, &settings, &mut Cache::new());
         assert!(cast.hit && (cast.t - 4.0).abs() < 1e-12 && cast.t_upper < 4.001, "{line:?}: {cast:?}");
     }
     // From below, the fronts of the roof face away. A ray in the plane of a triangle meets none.
     let up = ray([0.0, 0.3, 0.5], [0.0, 0.0, 1.0]);
-    assert_eq!(compound::ray(&roof, &up, &settings).answer.t, 0.5);
-    assert!(!compound::ray(&OneSided::new(&roof), &up, &settings).answer.hit);
+    assert_eq!(hullmap::ray(&roof, &up, &settings).t, 0.5);
+    assert!(!hullmap::ray(&OneSided::new(&roof), &up, &settings).hit);
     let along = ray([-20.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
-    assert_eq!(compound::ray(&roof, &along, &settings).answer.t, 11.0);
-    assert!(!compound::ray(&OneSided::new(&roof), &along, &settings).answer.hit);
+    assert_eq!(hullmap::ray(&roof, &along, &settings).t, 11.0);
+    assert!(!hullmap::ray(&OneSided::new(&roof), &along, &settings).hit);
 }
 
 #[test]
@@ -83,12 +83,12 @@ fn both_ends_of_a_ray_belong_to_it() {
         (1.0_f64.next_down(), f64::INFINITY, true, 1.0_f64.next_down()),
     ] {
         let settings = CastSettings { max_t, ..CastSettings::default() };
-        let found = compound::ray(&roof, &ray([0.0, 0.3, z], DOWN), &settings).answer;
+        let found = hullmap::ray(&roof, &ray([0.0, 0.3, z], DOWN), &settings);
         assert_eq!(found.hit, hit, "from {z} to {max_t}: {found:?}");
         assert!(found.t == t || (found.t - t).abs() < 1e-15, "from {z} to {max_t}: {found:?}");
     }
     // Without a direction, the ray is a point.
-    let at = |z: f64| compound::ray(&roof, &ray([0.0, 0.3, z], [0.0; 3]), &CastSettings::default()).answer;
+    let at = |z: f64| hullmap::ray(&roof, &ray([0.0, 0.3, z], [0.0; 3]), &CastSettings::default());
     assert!(at(1.0).hit && at(1.0).t == 0.0 && !at(1.0_f64.next_up()).hit);
 }
 
@@ -99,11 +99,11 @@ fn rays_at_edges_of_a_terrain_hit_it() {
     let terrain = field(layout, &heights, &[]);
     for (i, height) in heights.iter().enumerate() {
         let (x, y) = (layout.x(i % 5), layout.y(i / 5));
-        let found = compound::ray(&terrain, &ray([x, y, 5.0], DOWN), &CastSettings::default()).answer;
+        let found = hullmap::ray(&terrain, &ray([x, y, 5.0], DOWN), &CastSettings::default());
         assert!(found.hit && found.status == Status::Exact, "{i}: {found:?}");
         assert!((found.t - (5.0 - f64::from(*height))).abs() < 1e-15 * 10.0, "{i}: {found:?}");
         let between = ray([x, 0.5 * (layout.y(0) + layout.y(3)), 5.0], DOWN);
-        assert_eq!(compound::ray(&terrain, &between, &CastSettings::default()).answer.status, Status::Exact);
+        assert_eq!(hullmap::ray(&terrain, &between, &CastSettings::default()).status, Status::Exact);
     }
 }
 
@@ -126,7 +126,7 @@ fn rays_in_the_common_face_of_two_boxes_hit_them() {
         ([1.0_f64.next_up(), 0.2, 5.0], DOWN, 7.0),
     ] {
         let line = ray(origin, direction);
-        let found = compound::ray(&boxes, &line, &settings).answer;
+        let found = hullmap::ray(&boxes, &line, &settings);
         assert!(found.hit && (found.t - t).abs() < 1e-12, "{line:?}: {found:?}, expected {t}");
         assert!(
             found.t_lower <= t && t <= found.t_upper && found.t_upper - found.t_lower < 1e-9,
@@ -135,7 +135,7 @@ fn rays_in_the_common_face_of_two_boxes_hit_them() {
         assert!(matches!(found.status, Status::Exact | Status::Within | Status::Overlapping), "{line:?}: {found:?}");
         let (dot, start) = (Sphere::new(0.0).unwrap(), Pose::from_translation(line.origin()).unwrap());
         let motion = Motion::new(line.direction()).unwrap();
-        let cast = compound::cast(&boxes, &dot, start, motion, &settings, &mut CompoundCache::default()).answer;
+        let cast = hullmap::cast(&boxes, &dot, start, motion, &settings, &mut Cache::new());
         assert!(cast.hit && (cast.t - t).abs() < 1e-12, "{line:?}: {cast:?}, expected {t}");
     }
 }
@@ -146,8 +146,7 @@ fn a_ball_that_grazes_a_part_meets_it_before_the_part_behind() {
     // It slides down along the boxes, at a distance of its radius, and lands on the floor.
     let (ball, start) = (Sphere::new(0.5).unwrap(), Pose::from_translation(DVec3::new(1.5, 0.0, 5.0)).unwrap());
     let (down, settings) = (Motion::new(DVec3::from(DOWN)).unwrap(), CastSettings::default());
-    let found =
-        compound::cast(&Compound::new(&pack), &ball, start, down, &settings, &mut CompoundCache::default()).answer;
+    let found = hullmap::cast(&Compound::new(&pack), &ball, start, down, &settings, &mut Cache::new());
     assert!(found.hit && found.status == Status::Stalled, "{found:?}");
     assert!((found.t - 4.0).abs() < 0.5 && found.t_upper > 6.4, "{found:?}");
 }

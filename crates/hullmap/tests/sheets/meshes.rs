@@ -1,9 +1,8 @@
 //! Triangle meshes and bodies for tests.
 
 use glam::{DQuat, DVec3};
-use hullmap::compound::Parts;
 use hullmap::shapes::Cuboid;
-use hullmap::{CompoundManifolds, ManifoldSettings, Pack, Pose, TriangleMesh};
+use hullmap::{CompoundManifolds, Geometry, ManifoldSettings, Pack, Pose, TriangleMesh};
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_testkit::packs;
 use shapes::rng::SplitMix64;
@@ -70,7 +69,7 @@ pub fn body(rng: &mut SplitMix64) -> (Pack, Pose) {
 /// Slides a box with these half edges over a surface that is level from x = -4.5 on, a little below
 /// it, in steps of this length along x: all normals are normals of its level faces. Returns the
 /// number of poses with another normal where the manifolds are not welded.
-pub fn slide_box<S: Parts + ?Sized>(surface: &S, half: DVec3, steps: u32, length: f64) -> usize {
+pub fn slide_box<S: Geometry + ?Sized>(surface: &S, half: DVec3, steps: u32, length: f64) -> usize {
     let (die, sunk, settings) = (Cuboid::new(half).unwrap(), 1e-3 * half.z, ManifoldSettings::default());
     let is_steep = |normal: DVec3| normal.distance(DVec3::Z) > 1e-3;
     let mut replaced = 0;

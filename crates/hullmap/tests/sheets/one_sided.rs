@@ -1,11 +1,10 @@
 //! Sheets that collide on their fronts alone.
 
 use glam::DVec3;
-use hullmap::compound::{self, OneSided};
+use hullmap::compound::OneSided;
 use hullmap::shapes::{Cuboid, Sphere};
 use hullmap::{
-    CastSettings, CompoundCache, CompoundManifolds, ManifoldSettings, Motion, Pose, Ray, Settings, SupportMap,
-    TriangleMesh,
+    Cache, CastSettings, CompoundManifolds, ManifoldSettings, Motion, Pose, Ray, Settings, SupportMap, TriangleMesh,
 };
 use hullmap_testkit::depth::signed_depth_by_points;
 use shapes::rng::SplitMix64;
@@ -34,19 +33,19 @@ fn contacts_are_those_of_the_fronts() {
         let points: Vec<DVec3> = hull.vertices().map(|v| pose.transform_point(v.as_dvec3())).collect();
         let center = pose.transform_point(hull.interior_point());
         let collect = |one_sided: bool| {
-            let (mut found, mut cache) = (Vec::new(), CompoundCache::default());
-            let visit = |pair: [usize; 2], contact: &hullmap::Contact| found.push((pair[0], *contact));
+            let (mut found, mut cache) = (Vec::new(), Cache::new());
+            let visit = |contact: &hullmap::Contact| found.push((contact.parts[0] as usize, *contact));
             if one_sided {
-                compound::contacts(&OneSided::new(mesh), &hull, pose, &settings, &mut cache, visit);
+                hullmap::contacts(&OneSided::new(mesh), &hull, pose, &settings, &mut cache, visit);
             } else {
-                compound::contacts(mesh, &hull, pose, &settings, &mut cache, visit);
+                hullmap::contacts(mesh, &hull, pose, &settings, &mut cache, visit);
             }
             found.sort_by_key(|(triangle, _)| *triangle);
             found
         };
         let fronts = fronts(mesh);
         let (both, one) = (collect(false), collect(true));
-        let hit = compound::intersects(&OneSided::new(mesh), &hull, pose, &mut CompoundCache::default()).answer;
+        let hit = hullmap::intersects(&OneSided::new(mesh), &hull, pose, &mut Cache::new());
         assert_eq!(hit.is_hit(), !one.is_empty(), "round {round}");
         let mut one = one.into_iter();
         for (triangle, two_sided) in both {
@@ -90,7 +89,7 @@ fn rays_and_casts_meet_fronts_alone() {
         let origin = 6.0 * DVec3::from_array(rng.direction());
         let dir = 2.0 * DVec3::from_array(rng.direction()) - origin;
         let ray = Ray::new(origin, dir).unwrap();
-        let found = compound::ray(&OneSided::new(mesh), &ray, &settings);
+        let found = hullmap::ray(&OneSided::new(mesh), &ray, &settings);
         // The first of all triangles that the ray moves against, each by itself.
         let mut first = f64::INFINITY;
         for (index, (_, front)) in fronts(mesh).into_iter().enumerate() {
@@ -99,19 +98,19 @@ fn rays_and_casts_meet_fronts_alone() {
                 first = first.min(if alone.hit { alone.t } else { f64::INFINITY });
             }
         }
-        assert_eq!(found.answer.hit, first < f64::INFINITY, "round {round}");
-        if found.answer.hit {
-            assert!((found.answer.t - first).abs() < 1e-9, "round {round}");
+        assert_eq!(found.hit, first < f64::INFINITY, "round {round}");
+        if found.hit {
+            assert!((found.t - first).abs() < 1e-9, "round {round}");
             hits += 1;
         }
-        passed += usize::from(compound::ray(mesh, &ray, &settings).answer.t < found.answer.t);
+        passed += usize::from(hullmap::ray(mesh, &ray, &settings).t < found.t);
         let (start, motion) = (Pose::from_translation(origin).unwrap(), Motion::new(dir).unwrap());
-        let cast = compound::cast(&OneSided::new(mesh), &ball, start, motion, &settings, &mut CompoundCache::default());
-        if cast.answer.hit {
-            let front = fronts(mesh)[cast.hulls[0]].1;
+        let cast = hullmap::cast(&OneSided::new(mesh), &ball, start, motion, &settings, &mut Cache::new());
+        if cast.hit {
+            let front = fronts(mesh)[cast.parts[0] as usize].1;
             assert!(front.dot(dir) < 0.0, "round {round}");
         }
-        assert!(cast.answer.hit || !found.answer.hit, "round {round}: the ball is wider than the ray");
+        assert!(cast.hit || !found.hit, "round {round}: the ball is wider than the ray");
     }
     println!("{hits} hits, {passed} pass a back");
     assert!(hits > 400 && passed > 200);
@@ -152,7 +151,7 @@ fn manifolds_push_to_the_front_until_the_middle_is_behind() {
         assert!(manifold.normal().distance(DVec3::NEG_Z) < 1e-6, "{}", manifold.normal());
         assert!(manifold.points().iter().all(|p| (p.depth - 0.3).abs() < 1e-6));
     }
-    let (contact_settings, mut cache) = (Settings::default(), CompoundCache::default());
-    let contact = compound::contact(&die, &floor, a_in_b, &contact_settings, &mut cache).unwrap().answer;
+    let (contact_settings, mut cache) = (Settings::default(), Cache::new());
+    let contact = hullmap::contact(&die, &floor, a_in_b, &contact_settings, &mut cache);
     assert!(contact.normal.distance(DVec3::NEG_Z) < 1e-6 && (contact.depth - 0.3).abs() < 1e-6, "{contact:?}");
 }

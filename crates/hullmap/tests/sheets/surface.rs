@@ -3,7 +3,7 @@
 
 use glam::{DQuat, DVec3};
 use hullmap::compound::{SurfaceError, surface_distance};
-use hullmap::{CompoundCache, EdgeClass, Settings, TriangleMesh};
+use hullmap::{Cache, EdgeClass, Settings, TriangleMesh};
 use hullmap_testkit::triangles::{distance_from_triangle, winding};
 use shapes::rng::SplitMix64;
 
@@ -85,7 +85,7 @@ fn signs_and_distances_are_those_of_brute_force() {
     let (mut inside, mut outside, mut on) = (0, 0, 0);
     for (which, mesh) in closed(&mut rng).iter().enumerate() {
         let all = triangles(mesh);
-        let mut cache = CompoundCache::default();
+        let mut cache = Cache::new();
         for round in 0..4000 {
             // Also points with whole coordinates: above edges and corners, and on the surface; and
             // points near vertices and edges.
@@ -104,7 +104,7 @@ fn signs_and_distances_are_those_of_brute_force() {
             };
             let found = surface_distance(mesh, p, &settings, &mut cache).unwrap();
             let nearest = all.iter().map(|corners| distance_from_triangle(*corners, p)).fold(f64::INFINITY, f64::min);
-            let answer = found.answer;
+            let answer = found;
             if nearest < 1e-12 {
                 on += 1;
                 assert!(
@@ -123,7 +123,7 @@ fn signs_and_distances_are_those_of_brute_force() {
                 "{which} {p}: {answer:?}, {expected}"
             );
             assert!((answer.distance - expected).abs() < 1e-6 * (1.0 + nearest), "{which} {p}: {answer:?}, {expected}");
-            assert!(distance_from_triangle(all[found.hulls[0]], answer.point) < 1e-9, "{which} {p}: {answer:?}");
+            assert!(distance_from_triangle(all[found.part as usize], answer.point) < 1e-9, "{which} {p}: {answer:?}");
             let toward = (p - answer.point).normalize() * if is_inside { -1.0 } else { 1.0 };
             assert!(nearest < 1e-6 || answer.normal.distance(toward) < 1e-5, "{which} {p}: {answer:?}, {toward}");
             inside += usize::from(is_inside);
@@ -137,7 +137,7 @@ fn signs_and_distances_are_those_of_brute_force() {
 #[test]
 fn open_meshes_have_no_inside() {
     let sheet = grid(3, |_, _| 0.0);
-    let (settings, mut cache) = (Settings::default(), CompoundCache::default());
+    let (settings, mut cache) = (Settings::default(), Cache::new());
     let error = surface_distance(&sheet, DVec3::ONE, &settings, &mut cache).unwrap_err();
     assert!(matches!(error, SurfaceError::Open(open) if open.edge == EdgeClass::Border), "{error}");
     let (mut positions, mut corners) = (Vec::new(), Vec::new());

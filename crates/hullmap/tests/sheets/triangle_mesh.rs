@@ -3,8 +3,8 @@
 use glam::{DQuat, DVec3};
 use hullmap::shapes::{Cuboid, Sphere, Triangle};
 use hullmap::{
-    Cache, CastSettings, CompoundCache, CompoundManifolds, ManifoldSettings, Motion, Pose, Prediction, Ray, Settings,
-    Status, TriangleMesh, compound,
+    Cache, CastSettings, CompoundManifolds, ManifoldSettings, Motion, Pose, Prediction, Ray, Settings, Status,
+    TriangleMesh,
 };
 use hullmap_testkit::{depth::signed_depth_by_points, gap::distance_by_features};
 use shapes::rng::SplitMix64;
@@ -24,9 +24,9 @@ fn distances_and_overlaps_are_those_of_the_nearest_triangle() {
         let (pack, pose) = body(&mut rng);
         let hull = pack.hull(0).unwrap();
         let points: Vec<DVec3> = hull.vertices().map(|v| pose.transform_point(v.as_dvec3())).collect();
-        let mut cache = CompoundCache::default();
-        let found = compound::distance(mesh, &hull, pose, &settings, &mut cache).answer;
-        let hit = compound::intersects(mesh, &hull, pose, &mut cache).answer;
+        let mut cache = Cache::new();
+        let found = hullmap::distance(mesh, &hull, pose, &settings, &mut cache);
+        let hit = hullmap::intersects(mesh, &hull, pose, &mut cache);
         // The way out of each triangle, and the distance from each that is not overlapped.
         let (mut deepest, mut nearest) = (f64::NEG_INFINITY, f64::INFINITY);
         for corners in triangles(mesh) {
@@ -68,10 +68,10 @@ fn contacts_are_those_of_each_triangle() {
         let hull = pack.hull(0).unwrap();
         let points: Vec<DVec3> = hull.vertices().map(|v| pose.transform_point(v.as_dvec3())).collect();
         let mut seen = Vec::new();
-        let mut cache = CompoundCache::default();
-        compound::contacts(mesh, &hull, pose, &settings, &mut cache, |[triangle, body], contact| {
-            assert_eq!(body, 0);
-            seen.push((triangle, *contact));
+        let mut cache = Cache::new();
+        hullmap::contacts(mesh, &hull, pose, &settings, &mut cache, |contact| {
+            assert_eq!(contact.parts[1], 0);
+            seen.push((contact.parts[0] as usize, *contact));
         });
         seen.sort_by_key(|(triangle, _)| *triangle);
         let mut expected = Vec::new();
@@ -98,10 +98,10 @@ fn contacts_are_those_of_each_triangle() {
         for ((_, found), (_, alone)) in seen.iter().zip(&expected) {
             assert!((found.depth - alone.depth).abs() <= 1e-9, "round {round}");
         }
-        let deepest = compound::contact(mesh, &hull, pose, &settings, &mut CompoundCache::default());
+        let deepest = hullmap::contact(mesh, &hull, pose, &settings, &mut Cache::new());
         let expected = seen.iter().map(|(_, contact)| contact.depth).fold(f64::NEG_INFINITY, f64::max);
-        assert_eq!(deepest.is_some(), !seen.is_empty());
-        assert!(deepest.is_none_or(|found| (found.answer.depth - expected).abs() <= 1e-9), "round {round}");
+        assert_eq!(deepest.hit, !seen.is_empty());
+        assert!(!deepest.hit || (deepest.depth - expected).abs() <= 1e-9, "round {round}");
     }
     println!("{touching} touching, {surely_deep} triangles deep");
     assert!(touching > 100 && surely_deep > 300);
@@ -175,7 +175,7 @@ fn rays_hit_the_first_triangle() {
         let origin = 6.0 * DVec3::from_array(rng.direction());
         let target = 2.0 * DVec3::from_array(rng.direction());
         let ray = Ray::new(origin, (target - origin) * rng.between(0.1, 2.0)).unwrap();
-        let found = compound::ray(mesh, &ray, &CastSettings::default());
+        let found = hullmap::ray(mesh, &ray, &CastSettings::default());
         let crossings: Vec<_> = triangles(mesh).into_iter().map(|corners| crossing(&ray, corners)).collect();
         let first = crossings.iter().copied().flatten().flatten().fold(f64::INFINITY, f64::min);
         if crossings.iter().any(Option::is_none) {
@@ -183,15 +183,15 @@ fn rays_hit_the_first_triangle() {
         }
         if first == f64::INFINITY {
             misses += 1;
-            assert!(!found.answer.hit, "round {round}: {found:?}");
+            assert!(!found.hit, "round {round}: {found:?}");
         } else {
             hits += 1;
-            let (lower, upper) = (found.answer.t_lower, found.answer.t_upper);
+            let (lower, upper) = (found.t_lower, found.t_upper);
             let slack = 1e-12 * (1.0 + first);
-            assert!(found.answer.hit, "round {round}: {found:?} {first}");
+            assert!(found.hit, "round {round}: {found:?} {first}");
             assert!(lower <= first + slack && first <= upper + slack, "round {round}: {found:?} {first}");
             assert!(upper - lower <= 1e-6 * (1.0 + first), "round {round}: {found:?}");
-            assert!(matches!(found.answer.status, Status::Exact | Status::Within), "round {round}: {found:?}");
+            assert!(matches!(found.status, Status::Exact | Status::Within), "round {round}: {found:?}");
         }
     }
     println!("{hits} hits, {misses} misses");
@@ -205,9 +205,9 @@ fn casts_meet_the_surface() {
     let start = Pose::from_translation(DVec3::new(0.3, 0.2, 3.0)).unwrap();
     let fall = Motion::new(DVec3::new(0.1, 0.0, -1.0)).unwrap();
     let settings = CastSettings { max_t: 10.0, ..CastSettings::default() };
-    let found = compound::cast(&floor, &ball, start, fall, &settings, &mut CompoundCache::default());
-    assert!(found.answer.hit && found.answer.t_lower <= 2.5 && 2.5 <= found.answer.t_upper, "{found:?}");
-    assert!(found.answer.normal.distance(DVec3::Z) < 1e-6);
+    let found = hullmap::cast(&floor, &ball, start, fall, &settings, &mut Cache::new());
+    assert!(found.hit && found.t_lower <= 2.5 && 2.5 <= found.t_upper, "{found:?}");
+    assert!(found.normal.distance(DVec3::Z) < 1e-6);
 }
 
 /// A box that slides over triangles, a little below their surface, over every kind of edge inside
@@ -244,7 +244,7 @@ fn contact_points_of_long_triangles_are_exact() {
             let depth = 0.05_f64.min(0.2 * length);
             let at = DVec3::new(share * length * 0.5, -0.3 * length, lowest - depth);
             let pose = Pose::new(at, rotation).unwrap();
-            let found = compound::contact(&floor, &die, pose, &settings, &mut CompoundCache::default()).unwrap().answer;
+            let found = hullmap::contact(&floor, &die, pose, &settings, &mut Cache::new());
             assert!(found.depth_lower <= depth + 1e-12 && depth <= found.depth_upper + 1e-12, "{length}: {found:?}");
             if length >= 1.0 {
                 let expected = DVec3::new(at.x, at.y, 0.0);
@@ -307,11 +307,11 @@ fn damaged_files_are_rejected_or_harmless() {
                 continue;
             };
             harmless += 1;
-            let mut cache = CompoundCache::default();
-            let gap = compound::distance(&damaged, &ball, near, &settings, &mut cache);
-            assert!(gap.answer.lower <= gap.answer.upper && gap.pairs <= 18, "{at}: {gap:?}");
-            compound::contact(&damaged, &ball, near, &settings, &mut cache);
-            compound::ray(&damaged, &ray, &CastSettings::default());
+            let mut cache = Cache::new();
+            let gap = hullmap::distance(&damaged, &ball, near, &settings, &mut cache);
+            assert!(gap.lower <= gap.upper && gap.support_calls <= 180, "{at}: {gap:?}");
+            hullmap::contact(&damaged, &ball, near, &settings, &mut cache);
+            hullmap::ray(&damaged, &ray, &CastSettings::default());
             CompoundManifolds::new(4).update(&damaged, &ball, near, &ManifoldSettings::default());
         }
     }
@@ -334,14 +334,12 @@ fn work_grows_with_the_logarithm_of_the_mesh() {
     let mut counts = Vec::new();
     for cells in [8, 32, 128] {
         let mesh = grid(cells, |_, _| 0.0);
-        let gap = compound::distance(&mesh, &ball, near, &Settings::default(), &mut CompoundCache::default());
-        let ray = Ray::new(DVec3::new(0.2, 0.1, 9.0), DVec3::NEG_Z).unwrap();
-        let hit = compound::ray(&mesh, &ray, &CastSettings::default());
-        println!("{} triangles: {} and {} boxes, {} pairs", mesh.triangle_count(), gap.boxes, hit.boxes, gap.pairs);
-        counts.push((gap.boxes, hit.boxes));
-        assert!(gap.pairs <= 4 && hit.pairs <= 8, "{gap:?} {hit:?}");
+        let hits = hullmap::contacts(&mesh, &ball, near, &Settings::default(), &mut Cache::new(), |_| ());
+        println!("{} triangles: {hits:?}", mesh.triangle_count());
+        assert!(hits.pairs <= 8, "{hits:?}");
+        counts.push(hits.boxes);
     }
     let (first, last) = (counts[0], counts[2]);
     // 256 times as many triangles: eight more levels.
-    assert!(last.0 <= first.0 + 64 && last.1 <= first.1 + 64, "{counts:?}");
+    assert!(last <= first + 64, "{counts:?}");
 }

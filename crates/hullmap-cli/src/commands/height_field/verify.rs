@@ -9,7 +9,7 @@ use std::path::Path;
 
 use hullmap::glam::DVec3;
 use hullmap::height_field::{Diagonal, Layout};
-use hullmap::{CastSettings, HeightField, Ray, Status, compound};
+use hullmap::{CastSettings, HeightField, Ray, Status};
 use hullmap_bake::SourceRecord;
 use hullmap_bake::height_field::write_height_field;
 use hullmap_import::height_field::Heights;
@@ -170,7 +170,7 @@ fn compare(
     let [low, high] = field.bounds();
     let top = high.z + (high.z - low.z).max(layout.spacing[0]);
     let ray = Ray::new(DVec3::new(x, y, top), DVec3::NEG_Z).ok()?;
-    let found = compound::ray(field, &ray, &CastSettings::default()).answer;
+    let found = hullmap::ray(field, &ray, &CastSettings::default());
     if found.hit == is_hole {
         let what = if is_hole { "the samples have a hole" } else { "the samples have ground" };
         return Some(format!("a ray at x {x}, y {y} {} where {what}", if found.hit { "hits" } else { "misses" }));

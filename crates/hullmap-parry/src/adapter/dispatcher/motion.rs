@@ -15,7 +15,7 @@
 
 use hullmap::glam::DVec3;
 use hullmap::shapes::{HalfSpace, Scaled};
-use hullmap::{Cache, CompoundCache, MotionSettings, RigidMotion, Shape as Convex, Status, TimeOfImpact, compound};
+use hullmap::{Cache, MotionSettings, RigidMotion, Settings, Shape as Convex, Status, TimeOfImpact};
 
 use super::super::convert::{double, narrow, narrow_pose, real, wide, wide_pose};
 use super::super::parry;
@@ -24,7 +24,7 @@ use super::super::parry::query::details as default;
 use super::super::parry::query::details::NonlinearShapeCastMode;
 use super::super::parry::query::{NonlinearRigidMotion, QueryDispatcher, ShapeCastHit, ShapeCastStatus};
 use super::super::parry::shape::Shape;
-use super::super::surface::{BakedSurface, Sheet, SurfaceTile, on_sheet};
+use super::super::surface::{BakedSurface, SurfaceTile};
 use super::nearby::{Ball, first_hit};
 use super::pieces::{Piece, pieces};
 
@@ -212,14 +212,12 @@ impl<'m> Cast<'m> {
         for tile in surface.tiles() {
             let motion = self.motions[0].piece_motion(tile.place())?;
             for piece in pieces {
-                let (b, cache) = (self.mover(1, piece)?, &mut CompoundCache::new(16));
-                let found = on_sheet!(tile, sheet => {
-                    compound::cast_motion(sheet, &motion, b.shape, &b.motion, &settings, cache)
-                });
-                if self.is_ignored(&found.answer) {
+                let (b, cache) = (self.mover(1, piece)?, &mut Cache::with_pairs(16));
+                let found = hullmap::cast_motion(tile, &motion, b.shape, &b.motion, &settings, cache);
+                if self.is_ignored(&found) {
                     add(&mut first, self.beyond_start_on(tile, &motion, &b));
                 } else {
-                    add(&mut first, self.hit(&found.answer, [tile.subshape(found.hulls[0]), b.subshape]));
+                    add(&mut first, self.hit(&found, [tile.subshape(found.parts[0] as usize), b.subshape]));
                 }
             }
         }
@@ -228,12 +226,14 @@ impl<'m> Cast<'m> {
 
     fn of_plane(&self, plane: &HalfSpace, pieces: &[Piece<'_>]) -> Option<Option<ShapeCastHit>> {
         let (mut first, motion) = (None, self.motions[0].piece_motion(hullmap::Pose::IDENTITY)?);
+        let (settings, cache) = (MotionSettings::default(), || Cache::new());
         for piece in pieces {
             let b = self.mover(1, piece)?;
-            let found = plane.cast_motion(&motion, b.shape, &b.motion, &MotionSettings::default());
+            let found = hullmap::cast_motion(plane, &motion, b.shape, &b.motion, &settings, &mut cache());
             if self.is_ignored(&found) {
-                let core =
-                    self.core_of(&b, 1, |core, own| plane.cast_motion(&motion, core, own, &MotionSettings::default()));
+                let core = self.core_of(&b, 1, |core, own| {
+                    hullmap::cast_motion(plane, &motion, core, own, &settings, &mut cache())
+                });
                 let core = core.and_then(|found| self.hit(&found, [0, b.subshape]));
                 add(&mut first, self.earlier(core, self.beyond_start_of_plane(plane, &motion, &b)));
             } else {
@@ -353,19 +353,20 @@ impl<'m> Cast<'m> {
             let t = f64::from(i) / f64::from(BALLS);
             let (place, placed) = (motion.pose_at(t), b.motion.pose_at(t));
             let b_in_a = hullmap::Pose::relative(place, placed).ok()?;
-            if !plane.intersects(b.shape, b_in_a).is_hit() {
+            let cache = &mut Cache::new();
+            if !hullmap::intersects(plane, b.shape, b_in_a, cache).is_hit() {
                 let rest = |motion: &NonlinearRigidMotion| {
                     let [start, end] = self.window.map(double);
                     Windowed::new(motion, [start + (end - start) * t, end])
                 };
                 let [a, own] = [rest(self.of_parry[0])?, rest(&b.motion_of_parry)?];
                 let (a, own) = (a.piece_motion(hullmap::Pose::IDENTITY)?, own.piece_motion(hullmap::Pose::IDENTITY)?);
-                let found = plane.cast_motion(&a, b.shape, &own, &MotionSettings::default());
+                let found = hullmap::cast_motion(plane, &a, b.shape, &own, &MotionSettings::default(), cache);
                 let later = |time: f64| t + (1.0 - t) * time;
                 let found = TimeOfImpact { t: later(found.t), t_lower: later(found.t_lower), ..found };
                 return self.hit(&found, [0, b.subshape]);
             }
-            let contact = plane.contact(b.shape, b_in_a);
+            let contact = hullmap::contact(plane, b.shape, b_in_a, &Settings::default(), cache);
             let normal = place.transform_vector(contact.normal);
             let point = place.transform_point(contact.point_b);
             let speed = |of: &Windowed| of.linear + of.angular.cross(point - (of.center + of.linear * t));

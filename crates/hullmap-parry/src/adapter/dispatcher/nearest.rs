@@ -1,7 +1,7 @@
 //! The contact of a pair, or its closest points if it has none.
 
 use hullmap::glam::DVec3;
-use hullmap::{Cache, Pose, Settings, SupportMap};
+use hullmap::{Cache, Geometry, Pose, Settings};
 
 use super::super::convert::real;
 use super::super::parry::math::Real;
@@ -19,7 +19,7 @@ pub(super) struct Nearest {
 }
 
 impl Nearest {
-    pub(super) fn find<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    pub(super) fn find<A: Geometry + ?Sized, B: Geometry + ?Sized>(
         a: &A,
         b: &B,
         b_in_a: Pose,

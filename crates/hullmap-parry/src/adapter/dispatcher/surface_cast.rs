@@ -6,15 +6,13 @@
 //!    slides on the ground, and may meet other triangles. So cast on each triangle near the path,
 //!    by the rule for two convex shapes.
 
-use hullmap::compound::CompoundAnswer;
 use hullmap::glam::DVec3;
 use hullmap::shapes::Rounded;
-use hullmap::{Cache, CastSettings, CompoundCache, Impact, Motion, Settings, Shape, compound};
+use hullmap::{Cache, CastSettings, Impact, Motion, Settings, Shape};
 
 use super::super::convert::wide;
 use super::super::parry::math::Vector;
 use super::super::parry::query::{ShapeCastHit, ShapeCastOptions};
-use super::super::surface::{Sheet, on_sheet};
 use super::cast::Cast;
 use super::nearby::{Ball, first_hit};
 use super::nearest::Nearest;
@@ -33,8 +31,8 @@ pub(super) fn cast(
     for part in pair.parts() {
         let max_t = first.as_ref().map_or(cast.max_t, |(impact, _)| impact.t);
         let found = part_cast(&cast, &part, max_t)?;
-        if cast.is_hit(&found.answer) && first.as_ref().is_none_or(|(impact, _)| found.answer.t < impact.t) {
-            first = Some((part.in_surface(&found.answer), part.subshapes(found.hulls[0])));
+        if cast.is_hit(&found) && first.as_ref().is_none_or(|(impact, _)| found.t < impact.t) {
+            first = Some((part.in_surface(&found), part.subshapes(found.parts[0])));
         }
     }
     let Some((impact, subshapes)) = first else { return Some(None) };
@@ -50,15 +48,14 @@ pub(super) fn cast(
 }
 
 /// The first impact of a tile and a piece, in the frame of the tile; `None` for invalid numbers.
-fn part_cast(cast: &Cast<'_>, Part { tile, piece, b_in_a }: &Part<'_>, max_t: f64) -> Option<CompoundAnswer<Impact>> {
+fn part_cast(cast: &Cast<'_>, Part { tile, piece, b_in_a }: &Part<'_>, max_t: f64) -> Option<Impact> {
     let motion = Motion::new(tile.place().inverse_transform_vector(cast.velocity)).ok()?;
-    let (settings, cache) = (CastSettings { max_t, ..CastSettings::default() }, &mut CompoundCache::new(1));
+    let (settings, cache) = (CastSettings { max_t, ..CastSettings::default() }, &mut Cache::with_pairs(1));
     if !(cast.target > 0.0) {
-        return Some(on_sheet!(tile, sheet => compound::cast(sheet, piece.shape(), *b_in_a, motion, &settings, cache)));
+        return Some(hullmap::cast(*tile, piece.shape(), *b_in_a, motion, &settings, cache));
     }
     let grown = Rounded::new(piece.shape(), cast.target).ok()?;
-    let found = on_sheet!(tile, sheet => compound::cast(sheet, &grown, *b_in_a, motion, &settings, cache));
-    Some(CompoundAnswer { answer: as_if_grown(found.answer, cast.target), ..found })
+    Some(as_if_grown(hullmap::cast(*tile, &grown, *b_in_a, motion, &settings, cache), cast.target))
 }
 
 /// Converts an impact on a grown body to an impact on a grown surface, which [`Cast::hit`] expects.
@@ -84,7 +81,7 @@ fn beyond_start(pair: &SurfacePair<'_>, cast: &Cast<'_>, part: &Part<'_>) -> Opt
             Some(contact) => cast.start(&part.nearest_in_surface(contact), impact.t)?,
             None => cast.hit(&part.in_surface(&impact)),
         };
-        Some((impact.t, pair.numbered(hit, part.subshapes(index))))
+        Some((impact.t, pair.numbered(hit, part.subshapes(index as u32))))
     };
     first_hit(tile, way(cast, part, velocity), test).map(|(_, hit)| hit)
 }

@@ -193,7 +193,7 @@ impl SurfaceMemory {
             let Some(part) = pair.parts().find(is_of) else { continue };
             let place = part.tile.place();
             points.extend(entry.body.points().iter().map(|found| Point {
-                subshapes: part.subshapes(found.pair[0]),
+                subshapes: part.subshapes(found.pair[0] as u32),
                 normal: snapped(place.transform_vector(found.normal), part.tile.normal(found.pair[0])),
                 on_surface: place.transform_point(found.point.point_a),
                 on_body: part.piece.place.transform_point(found.point.local_b),
@@ -343,7 +343,7 @@ impl OnTile<'_> {
             Some((joined, index)) => {
                 on_sheet!(tile, sheet => manifolds.update_joined(joined, *index, sheet, shape, *b_in_a, settings))
             }
-            None => on_sheet!(tile, sheet => manifolds.update(sheet, shape, *b_in_a, settings)),
+            None => manifolds.update(*tile, shape, *b_in_a, settings),
         };
         counts.dropped
     }

@@ -1,13 +1,13 @@
 //! A surface and a body of convex pieces: overlap, distance and contact.
 
-use hullmap::{CompoundCache, Contact, Distance, Impact, Pose, Settings, Status, compound};
+use hullmap::{Cache, Contact, Distance, Impact, Pose, Settings, Status};
 
 use super::super::convert::narrow_pose;
 use super::super::parry;
 use super::super::parry::bounding_volume::Aabb;
 use super::super::parry::query::ShapeCastHit;
 use super::super::parry::shape::Shape;
-use super::super::surface::{BakedSurface, Sheet, SurfaceTile, on_sheet};
+use super::super::surface::{BakedSurface, SurfaceTile};
 use super::nearest::Nearest;
 use super::pair::{Placement, placement};
 use super::pieces::{Piece, pieces};
@@ -58,8 +58,7 @@ impl SurfacePair<'_> {
 
     pub(super) fn intersects(&self) -> bool {
         self.parts().any(|Part { tile, piece, b_in_a }| {
-            let cache = &mut CompoundCache::new(1);
-            on_sheet!(tile, sheet => compound::intersects(sheet, piece.shape(), b_in_a, cache)).answer.is_hit()
+            hullmap::intersects(tile, piece.shape(), b_in_a, &mut Cache::with_pairs(1)).is_hit()
         })
     }
 
@@ -68,9 +67,8 @@ impl SurfacePair<'_> {
         let mut best: Option<(Distance, [u32; 2])> = None;
         for part in self.parts() {
             let Part { tile, piece, b_in_a } = &part;
-            let (settings, cache) = (Settings::default(), &mut CompoundCache::new(1));
-            let found = on_sheet!(tile, sheet => compound::distance(sheet, piece.shape(), *b_in_a, &settings, cache));
-            let (hulls, found) = (found.hulls, found.answer);
+            let (settings, cache) = (Settings::default(), &mut Cache::with_pairs(1));
+            let found = hullmap::distance(*tile, piece.shape(), *b_in_a, &settings, cache);
             // Overlapping ranks before touching, although both distances are 0.
             let rank = |found: &Distance| (found.distance, found.status != Status::Overlapping);
             if best.is_none_or(|(best, _)| rank(&found) < rank(&best)) {
@@ -81,7 +79,7 @@ impl SurfacePair<'_> {
                     normal: place.transform_vector(found.normal),
                     ..found
                 };
-                best = Some((found, part.subshapes(hulls[0])));
+                best = Some((found, part.subshapes(found.parts[0])));
             }
         }
         best
@@ -93,13 +91,12 @@ impl SurfacePair<'_> {
         let mut deepest: Option<(Nearest, [u32; 2])> = None;
         for part in self.parts() {
             let Part { tile, piece, b_in_a } = &part;
-            let (settings, cache) = (Settings::default(), &mut CompoundCache::new(1));
-            let found = on_sheet!(tile, sheet => compound::contact(sheet, piece.shape(), *b_in_a, &settings, cache));
-            let Some(found) = found else { continue };
-            let Contact { point_a, point_b, normal, depth, .. } = found.answer;
-            if deepest.as_ref().is_none_or(|(deepest, _)| -depth < deepest.dist) {
+            let (settings, cache) = (Settings::default(), &mut Cache::with_pairs(1));
+            let found = hullmap::contact(*tile, piece.shape(), *b_in_a, &settings, cache);
+            let Contact { hit, point_a, point_b, normal, depth, parts, .. } = found;
+            if hit && deepest.as_ref().is_none_or(|(deepest, _)| -depth < deepest.dist) {
                 let found_in_tile = Nearest { point_a, point_b, normal, dist: -depth };
-                deepest = Some((part.nearest_in_surface(found_in_tile), part.subshapes(found.hulls[0])));
+                deepest = Some((part.nearest_in_surface(found_in_tile), part.subshapes(parts[0])));
             }
         }
         deepest.or_else(|| {
@@ -115,8 +112,9 @@ impl SurfacePair<'_> {
 }
 
 impl Part<'_> {
-    pub(super) fn subshapes(&self, triangle: usize) -> [u32; 2] {
-        [self.tile.subshape(triangle), self.piece.subshape]
+    /// Numbers of a triangle of the tile and of the piece.
+    pub(super) fn subshapes(&self, triangle: u32) -> [u32; 2] {
+        [self.tile.subshape(triangle as usize), self.piece.subshape]
     }
 
     /// Converts an answer from the frame of the tile to the frame of the surface.

@@ -1,14 +1,13 @@
 //! parry's point queries of a surface: the nearest point of the triangles.
 
 use hullmap::glam::DVec3;
-use hullmap::{CompoundCache, Settings, compound};
+use hullmap::{Cache, Settings};
 
 use super::super::convert::{narrow, wide};
 use super::super::parry::math::Vector;
 use super::super::parry::query::{PointProjection, PointQuery};
 use super::super::parry::shape::FeatureId;
-use super::tile::on_sheet;
-use super::{BakedSurface, Sheet};
+use super::BakedSurface;
 
 impl PointQuery for BakedSurface {
     /// Nothing is inside a surface.
@@ -32,12 +31,11 @@ impl BakedSurface {
         let mut best: Option<(f64, DVec3, u32)> = None;
         for tile in self.tiles() {
             let local = tile.place().inverse().transform_point(point);
-            let (settings, cache) = (Settings::default(), &mut CompoundCache::new(1));
-            let found = on_sheet!(tile, sheet => compound::signed_distance(sheet, local, &settings, cache)).ok()?;
-            let distance = found.answer.distance;
-            if best.is_none_or(|(least, ..)| distance < least) {
-                let near = tile.place().transform_point(found.answer.point);
-                best = Some((distance, near, tile.subshape(found.hulls[0])));
+            let (settings, cache) = (Settings::default(), &mut Cache::with_pairs(1));
+            let found = hullmap::signed_distance(tile, local, &settings, cache).ok()?;
+            if best.is_none_or(|(least, ..)| found.distance < least) {
+                let near = tile.place().transform_point(found.point);
+                best = Some((found.distance, near, tile.subshape(found.part as usize)));
             }
         }
         best.map(|(_, near, subshape)| (near, subshape))

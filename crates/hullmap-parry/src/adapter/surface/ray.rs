@@ -1,14 +1,13 @@
-//! parry's ray casts of a surface, by hullmap's [`ray`](hullmap::compound::ray).
+//! parry's ray casts of a surface, by hullmap's [`ray`](hullmap::ray()).
 
+use hullmap::CastSettings;
 use hullmap::glam::DVec3;
-use hullmap::{CastSettings, compound};
 
 use super::super::convert::{double, narrow, real, wide};
 use super::super::parry::math::Real;
 use super::super::parry::query::{Ray, RayCast, RayIntersection};
 use super::super::parry::shape::FeatureId;
-use super::tile::on_sheet;
-use super::{BakedSurface, Sheet};
+use super::BakedSurface;
 
 struct Meeting {
     time: f64,
@@ -44,12 +43,11 @@ impl BakedSurface {
             let (origin, dir) = (place.inverse().transform_point(origin), place.inverse_transform_vector(dir));
             let local = hullmap::Ray::new(origin, dir).ok()?;
             let settings = CastSettings { max_t, ..CastSettings::default() };
-            let found = on_sheet!(tile, sheet => compound::ray(sheet, &local, &settings));
-            let hit = found.answer;
+            let hit = hullmap::ray(tile, &local, &settings);
             // NaN takes the failing branch. Ties go to the first tile.
             if hit.hit && hit.t <= max_t && first.as_ref().is_none_or(|first| hit.t < first.time) {
                 let normal = place.transform_vector(hit.normal);
-                first = Some(Meeting { time: hit.t, normal, subshape: tile.subshape(found.hulls[0]) });
+                first = Some(Meeting { time: hit.t, normal, subshape: tile.subshape(hit.part as usize) });
             }
         }
         first

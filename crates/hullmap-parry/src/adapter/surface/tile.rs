@@ -6,6 +6,7 @@ use std::sync::Arc;
 use hullmap::EdgeClass;
 #[cfg(feature = "dispatcher")]
 use hullmap::compound::seams::{self, Neighbour, Union};
+use hullmap::geometry::{Geometry, Visitor};
 use hullmap::glam::DVec3;
 use hullmap::shapes::Triangle;
 use hullmap::{HeightField, TriangleMesh};
@@ -60,7 +61,14 @@ macro_rules! on_sheet {
         }
     };
 }
+#[cfg(feature = "dispatcher")]
 pub(in super::super) use on_sheet;
+
+impl Geometry for SurfaceTile {
+    fn visit<V: Visitor>(&self, visitor: V) -> V::Output {
+        on_sheet!(self, sheet => sheet.visit(visitor))
+    }
+}
 
 /// A mesh or a field of a [`BakedSurface`](super::BakedSurface).
 #[derive(Clone, Debug)]

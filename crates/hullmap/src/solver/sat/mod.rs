@@ -376,7 +376,7 @@ mod tests {
 
     /// Whether the test pays for two of these shapes before the first contact, and before the next
     /// ones.
-    fn pays_for<S: SupportMap>(shape: &S, distances: [f64; 3]) -> ([bool; 2], Cache) {
+    fn pays_for<S: crate::Shape>(shape: &S, distances: [f64; 3]) -> ([bool; 2], Cache) {
         let mut cache = Cache::new();
         let found = distances.map(|x| {
             let pays = pays_at(shape, x, &cache);

@@ -1,0 +1,86 @@
+//! Distance of two geometries.
+
+use super::{PairQuery, answer};
+use crate::compound::{self, Parts, half_space};
+use crate::geometry::Geometry;
+use crate::pose::Pose;
+use crate::shapes::{HalfSpace, Shape};
+use crate::solver::{Cache, Distance, Settings, queries};
+
+/// Distance of `a` and `b`, with `b` at `b_in_a`, and the witness points that realise it.
+///
+/// Lengths are in the geometries' unit, points and directions in A's frame. The distance is 0 if
+/// they overlap or touch; [`contact`](crate::contact()) then computes the depth. `cache` belongs to
+/// this ordered pair; the query reads and updates it.
+///
+/// With parts, points, normal and distance belong to the nearest pair of parts, and the interval
+/// contains the distance of the whole: no pair is nearer than `lower`, and the distance of some
+/// pair is at most `upper`. The status is that of the nearest pair, unless another pair's interval
+/// makes the whole wider than the settings allow. Then it is the status of that other pair. For a
+/// half-space, the normal is the plane's; if they overlap, both points are the lowest point of the
+/// other geometry.
+///
+/// # Complexity
+/// Two shapes: 4 to 10 support calls for most pairs; bounded by `settings`. Rounded shapes cost up
+/// to three distance queries of their cores. Parts: branch and bound, starting with the nearest
+/// pair of the last query; at most all pairs of parts. Half-space: one support query for each part
+/// that may be the lowest. No allocation.
+///
+/// # Reference
+/// Gilbert, Johnson, Keerthi 1988 (GJK); Kenwright, section 4.6. docs/contributors/intervals.md
+/// proves the interval.
+///
+/// # Examples
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let pack = two_cubes();
+/// use hullmap::glam::DVec3;
+/// use hullmap::shapes::Sphere;
+/// use hullmap::{Cache, Pose, Settings, distance};
+///
+/// // Two unit cubes, at x from 0 to 1 and from 3 to 4, and a ball between them.
+/// let (cubes, ball) = (pack, Sphere::new(0.5)?);
+/// let b_in_a = Pose::from_translation(DVec3::new(2.25, 0.5, 0.5))?;
+/// let gap = distance(&cubes, &ball, b_in_a, &Settings::default(), &mut Cache::new());
+/// assert!((gap.distance - 0.25).abs() < 1e-12 && gap.lower <= 0.25 && 0.25 <= gap.upper);
+/// assert!(gap.point_a.distance(DVec3::new(3.0, 0.5, 0.5)) < 1e-6);
+/// assert_eq!(gap.parts, [1, 0]); // the right cube
+/// # Ok(())
+/// # }
+/// ```
+#[inline]
+pub fn distance<A, B>(a: &A, b: &B, b_in_a: Pose, settings: &Settings, cache: &mut Cache) -> Distance
+where
+    A: Geometry + ?Sized,
+    B: Geometry + ?Sized,
+{
+    answer(a, b, DistanceOf { b_in_a, settings, cache })
+}
+
+struct DistanceOf<'q> {
+    b_in_a: Pose,
+    settings: &'q Settings,
+    cache: &'q mut Cache,
+}
+
+impl PairQuery for DistanceOf<'_> {
+    type Answer = Distance;
+
+    #[inline(always)]
+    fn shapes<A: Shape + ?Sized, B: Shape + ?Sized>(self, a: &A, b: &B) -> Distance {
+        queries::distance(a, b, self.b_in_a, self.settings, self.cache)
+    }
+
+    fn parts<A: Parts + ?Sized, B: Parts + ?Sized>(self, a: &A, b: &B) -> Distance {
+        compound::distance(a, b, self.b_in_a, self.settings, self.cache)
+    }
+
+    fn half_space<B: Parts + ?Sized>(self, a: &HalfSpace, b: &B) -> Distance {
+        half_space::lowest(a, b, self.b_in_a).distance()
+    }
+
+    fn half_space_as_b<A: Parts + ?Sized>(self, a: &A, b: &HalfSpace) -> Distance {
+        half_space::lowest(b, a, self.b_in_a.inverse()).distance().exchanged(self.b_in_a)
+    }
+}
