@@ -249,9 +249,10 @@ fn a_half_space_as_b_has_the_exchanged_answers() {
             let (mut own, mut exchanged) = (CompoundManifolds::new(5), CompoundManifolds::new(5));
             for step in 0..3 {
                 let pose = Pose::new(pose.translation() + wall.normal() * (0.01 * f64::from(step)), pose.rotation());
-                let pose = pose.unwrap();
-                own.update(&wall, thing, pose, &ManifoldSettings::default());
-                exchanged.update(thing, &wall, pose.inverse(), &ManifoldSettings::default());
+                // The same bits as inside.
+                let back = pose.unwrap().inverse();
+                own.update(&wall, thing, back.inverse(), &ManifoldSettings::default());
+                exchanged.update(thing, &wall, back, &ManifoldSettings::default());
                 assert_eq!(own.len(), exchanged.len());
                 for (([_, part], of_wall), (pair, found)) in own.iter().zip(exchanged.iter()) {
                     assert_eq!(pair, [part, 0]);
