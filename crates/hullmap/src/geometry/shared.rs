@@ -117,7 +117,7 @@ impl SharedGeometry {
     /// and for a compound or a mesh without parts.
     ///
     /// # Complexity
-    /// That of [`SupportMap::bounds_under`], for each part.
+    /// As [`SupportMap::bounds_under`](crate::SupportMap::bounds_under) of each part.
     pub fn bounds_under(&self, pose: Pose) -> Option<Bounds> {
         let count = match self {
             Self::Compound(pack) => pack.hull_count(),
