@@ -206,7 +206,8 @@ fn a_half_space_as_b_has_the_exchanged_answers() {
             assert_eq!((c.hit, c.parts), (turned.hit, [turned.parts[1], turned.parts[0]]));
             near(c.depth, turned.depth);
             normal(c.normal, turned.normal);
-            (point(c.point_a, turned.point_b), point(c.point_b, turned.point_a));
+            point(c.point_a, turned.point_b);
+            point(c.point_b, turned.point_a);
             let yes = hullmap::intersects(thing, &wall, back, &mut none());
             assert_eq!((yes.is_hit(), yes.parts), (c.hit, turned.parts));
             let (d, turned) = (
@@ -214,7 +215,8 @@ fn a_half_space_as_b_has_the_exchanged_answers() {
                 hullmap::distance(thing, &wall, back, &settings, &mut none()),
             );
             near(d.distance, turned.distance);
-            (point(d.point_a, turned.point_b), point(d.point_b, turned.point_a));
+            point(d.point_a, turned.point_b);
+            point(d.point_b, turned.point_a);
             let mut seen = Vec::new();
             hullmap::contacts(thing, &wall, back, &settings, &mut none(), |c| seen.push(c.parts[0]));
             assert_eq!(seen.contains(&c.parts[1]), c.hit);
