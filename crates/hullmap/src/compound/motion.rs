@@ -67,7 +67,7 @@ pub(crate) fn ray<A: Parts + ?Sized>(a: &A, ray: &Ray, settings: &CastSettings) 
             Some(corners) => ray_triangle(corners, ray, settings),
             None => cast_ray(&part, ray, settings),
         };
-        Some(found.impact(index))
+        Some(Impact::of_ray(found, index))
     };
     let (nodes, margin) = (a.nodes(), placement.rounding_error());
     let first = ray.motion().path().and_then(|path| {
@@ -273,7 +273,7 @@ mod tests {
         let origin = Nodes::one(DVec3::ZERO, DVec3::ZERO);
         let placement = Placement::new(sheet.nodes(), origin, Pose::from_checked(ray.origin()));
         let found = first_hit(placement, ray.motion(), settings, |[part, _]| {
-            Some(ray_triangle(sheet.part(part)?.triangle()?, ray, settings).impact(part))
+            Some(Impact::of_ray(ray_triangle(sheet.part(part)?.triangle()?, ray, settings), part))
         });
         found.ray_hit(if found.hit { found.point_a } else { ray.origin() })
     }

@@ -71,6 +71,13 @@ pub struct Impact {
 }
 
 impl Impact {
+    /// The answer for a ray on a part, as the cast of a point.
+    pub(crate) fn of_ray(found: RayHit, part: usize) -> Self {
+        let RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls, .. } = found;
+        let ([point_a, point_b], parts) = ([point; 2], [part as u32, 0]);
+        Self { hit, status, t, t_lower, t_upper, normal, point_a, point_b, iterations, support_calls, parts }
+    }
+
     /// The answer for a ray whose cast this is, with the point that it hits.
     pub(crate) fn ray_hit(self, point: DVec3) -> RayHit {
         let Self { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, parts: [part, _], .. } = self;

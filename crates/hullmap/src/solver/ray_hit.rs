@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 
-use super::cast::Impact;
 use super::motion::Ray;
 use super::status::Status;
 
@@ -52,13 +51,6 @@ pub struct RayHit {
 }
 
 impl RayHit {
-    /// The answer as the cast of a point, on a part.
-    pub(crate) fn impact(self, part: usize) -> Impact {
-        let Self { hit, status, t, t_lower, t_upper, point, normal, iterations, support_calls, .. } = self;
-        let ([point_a, point_b], parts) = ([point; 2], [part as u32, 0]);
-        Impact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, iterations, support_calls, parts }
-    }
-
     /// The answer for a ray that certainly misses.
     pub(crate) fn miss(ray: &Ray) -> Self {
         Self {
