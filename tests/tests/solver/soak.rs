@@ -100,8 +100,9 @@ fn every_ray_cast_point_and_half_space_has_a_certificate() {
             Queries::HalfSpaces => &["separated", "touching"],
             _ => &["separated", "overlapping", "touching"],
         };
+        // Rays at polytopes never graze: they are decided exactly.
         for status in statuses {
-            assert!(of(status) > PAIRS / 200, "{queries:?}: {status} {}", of(status));
+            assert!(of(status) > PAIRS / 400, "{queries:?}: {status} {}", of(status));
         }
     }
 }
