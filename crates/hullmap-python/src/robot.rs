@@ -263,7 +263,7 @@ impl Robot {
         self.robot.tested()
     }
 
-    /// What is not tested: names of links, names of geoms, and the reason.
+    /// The pairs that are not tested: names of links, names of geoms, and the reason.
     fn skipped(&self) -> Vec<(Vec<String>, Vec<String>, String)> {
         let row = |skipped| match skipped {
             Skipped::Pair { links, geoms, reason } => {

@@ -214,7 +214,7 @@ impl Tally {
     }
 }
 
-/// What is wrong with an answer.
+/// The fault of an answer, if it has one.
 fn fault(line: &Line, truth: Option<&Fraction>, found: &RayHit, is_ray: bool) -> Option<&'static str> {
     use std::cmp::Ordering::{Greater, Less};
     let Some(truth) = truth else { return found.hit.then_some("nothing is there") };

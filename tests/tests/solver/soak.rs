@@ -100,9 +100,10 @@ fn every_ray_cast_point_and_half_space_has_a_certificate() {
             Queries::HalfSpaces => &["separated", "touching"],
             _ => &["separated", "overlapping", "touching"],
         };
-        // Rays at polytopes never graze: they are decided exactly.
         for status in statuses {
-            assert!(of(status) > PAIRS / 400, "{queries:?}: {status} {}", of(status));
+            // Rays at polytopes never graze: they are decided exactly.
+            let least = if queries == Queries::Rays && *status == "touching" { PAIRS / 300 } else { PAIRS / 200 };
+            assert!(of(status) > least, "{queries:?}: {status} {}", of(status));
         }
     }
 }

@@ -10,7 +10,7 @@ use roxmltree::Node;
 
 use crate::places::InlineMesh;
 
-/// What a mesh asset states.
+/// The source that a mesh asset states.
 pub enum Source<'a> {
     File(&'a str),
     Inline(Arc<InlineMesh>),

@@ -77,7 +77,7 @@ pub(super) struct Refined {
     pub(super) points: [DVec3; 2],
 }
 
-/// What the points of an answer satisfy.
+/// The equation that the points of an answer satisfy.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Condition {
     /// Their difference is along the normal, and its length is in this interval. It is negative for

@@ -9,7 +9,7 @@
 
 use super::clip::{FACE, Frame, Part, Patch, PatchPoint};
 use super::surface::settle_b;
-use super::{Lengths, Manifold, ManifoldSettings, SAME_DEPTH, farther_out, middle, part, tips};
+use super::{Lengths, Manifold, ManifoldPoint, ManifoldSettings, SAME_DEPTH, farther_out, middle, part, tips};
 use crate::pose::Pose;
 use crate::shapes::{Corner, Feature, HalfSpace, Shape};
 use crate::solver::{Contact, Status};
@@ -55,6 +55,17 @@ impl Manifold {
         settings: &ManifoldSettings,
     ) -> Contact {
         self.update_half_space_from((a, b, b_in_a), settings, self.points().is_empty())
+    }
+
+    /// Exchanges A and B, where the half-space is B. `b_in_a` maps the frame of the points, which is that of the new B, into
+    /// the frame of the new A.
+    pub(crate) fn exchange(&mut self, b_in_a: Pose) {
+        self.normal = b_in_a.transform_vector(-self.normal);
+        for point in &mut self.points {
+            let ManifoldPoint { point_a, local_b, .. } = *point;
+            point.id.parts.reverse();
+            (point.point_a, point.point_b, point.local_b) = (local_b, b_in_a.transform_point(point_a), point_a);
+        }
     }
 
     /// The same for adapters whose engine keeps the points: `is_new` if it had none.

@@ -345,17 +345,6 @@ impl Manifold {
         self.status
     }
 
-    /// Exchanges A and B. `b_in_a` maps the frame of the points, which is that of the new B, into
-    /// the frame of the new A.
-    pub(crate) fn exchange(&mut self, b_in_a: Pose) {
-        self.normal = b_in_a.transform_vector(-self.normal);
-        for point in &mut self.points {
-            let ManifoldPoint { point_a, local_b, .. } = *point;
-            point.id.parts.reverse();
-            (point.point_a, point.point_b, point.local_b) = (local_b, b_in_a.transform_point(point_a), point_a);
-        }
-    }
-
     /// Removes all points.
     pub fn clear(&mut self) {
         self.points.clear();

@@ -30,13 +30,13 @@ pub(crate) trait PairQuery: Sized {
     /// The default claims nothing.
     type Answer: Default;
 
-    /// Of two convex shapes.
+    /// Answers for two convex shapes.
     fn shapes<A: Shape + ?Sized, B: Shape + ?Sized>(self, a: &A, b: &B) -> Self::Answer;
 
-    /// Of two geometries, at least one of which has parts.
+    /// Answers for two geometries, at least one of which has parts.
     fn parts<A: Parts + ?Sized, B: Parts + ?Sized>(self, a: &A, b: &B) -> Self::Answer;
 
-    /// Of a half-space, and parts or a convex shape.
+    /// Answers for a half-space, and parts or a convex shape.
     fn half_space<B: Parts + ?Sized>(self, a: &HalfSpace, b: &B) -> Self::Answer;
 
     /// The same with the half-space as B.

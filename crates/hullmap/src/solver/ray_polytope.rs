@@ -28,9 +28,9 @@ use super::status::Status;
 /// Maximum number of triangles on the way to the surface. Most rays need 1 to 5.
 const MAX_PIVOTS: u32 = 100;
 
-/// After so many triangles, the next vertex and the corner that it replaces are the first ones in a
-/// fixed order (Bland's rule): where several triangles meet the line in one point, the farthest
-/// vertex may lead around in a circle.
+/// Number of triangles after which Bland's rule chooses the next vertex and the corner that it
+/// replaces: the first ones in a fixed order. Where several triangles meet the line in one point,
+/// the farthest vertex may lead around in a circle.
 const STEADY_PIVOTS: u32 = 20;
 
 /// Width of an interval relative to t, up to which a bound that was not reached counts as within

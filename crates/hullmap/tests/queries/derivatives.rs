@@ -143,7 +143,7 @@ fn gradients_of_curved_shapes_are_exact_for_every_tolerance() {
     }
 }
 
-/// The same for the times of rays and casts.
+/// Times of rays and casts at curved shapes.
 #[test]
 fn times_of_rays_and_casts_at_curved_shapes_have_exact_derivatives() {
     let pack = packs::tree_pack(&families::rock(20, 3));
