@@ -88,7 +88,7 @@ pub(super) fn answer_all<'s, A, B, Q, const N: usize>(
         for InFlight { query: suspended, workspace } in &mut in_flight {
             let (Some((at, query)), Some(workspace)) = (suspended.as_mut(), workspace) else { continue };
             let Some(cache) = caches.get_mut(*at) else { continue };
-            if let Some(answer) = query.resume(cache, workspace) {
+            if let Some(answer) = query.resume(settings, cache, workspace) {
                 if let Some(out) = out.get_mut(*at) {
                     *out = answer;
                 }

@@ -99,7 +99,7 @@ impl Contact {
     /// How much deeper B is moved to find other normals of the same depth, for these outer radii of
     /// both shapes together.
     pub(crate) fn deeper(&self, outer_radii: f64) -> f64 {
-        (DEEPER * outer_radii).max(WIDTHS * (self.depth_upper - self.depth_lower))
+        deeper([self.depth_lower, self.depth_upper], outer_radii)
     }
 
     /// The same contact, with what follows from `others`, a lower bound of the depth along other
@@ -107,8 +107,18 @@ impl Contact {
     /// are enough.
     pub(super) fn with_others(self, others: f64, outer_radii: f64) -> Self {
         // NaN takes the failing branch.
-        Self { is_only_normal: others >= self.depth_upper + 2.0 * self.deeper(outer_radii), ..self }
+        Self { is_only_normal: others >= beside([self.depth_lower, self.depth_upper], outer_radii), ..self }
     }
+}
+
+/// [`Contact::deeper`] for this interval of the depth.
+fn deeper([lower, upper]: [f64; 2], outer_radii: f64) -> f64 {
+    (DEEPER * outer_radii).max(WIDTHS * (upper - lower))
+}
+
+/// The depth along other normals from which on they do not matter, for this interval of the depth.
+pub(super) fn beside([lower, upper]: [f64; 2], outer_radii: f64) -> f64 {
+    upper + 2.0 * deeper([lower, upper], outer_radii)
 }
 
 impl Default for Contact {

@@ -93,8 +93,6 @@ pub(crate) struct ContactQuery {
 /// What waits for a support point.
 #[derive(Clone, Copy, Debug)]
 enum ContactSearch {
-    /// The test of this separating axis of the cache.
-    Axis(DVec3),
     Portal(MprSearch),
     /// EPA, after this number of steps of MPR.
     Expansion(EpaSearch, u32),
@@ -105,68 +103,86 @@ impl SteppedQuery for ContactQuery {
     type Answer = Contact;
     type Workspace = Workspace;
 
+    /// Step 1.
     #[inline(always)]
-    fn new(settings: &Settings) -> Self {
+    fn glance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        m: &Minkowski<'_, A, B>,
+        cache: &mut Cache,
+    ) -> Option<Step<Contact>> {
+        match m.axis_of_balls() {
+            Some(axis) => Some(Step::Answer(m.separated_contact(cache, axis, 0))),
+            None => cache.axis().map(Step::Ask),
+        }
+    }
+
+    #[inline(always)]
+    fn separated<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        m: &Minkowski<'_, A, B>,
+        cache: &mut Cache,
+        axis: DVec3,
+        point: &Point,
+    ) -> Option<Contact> {
+        m.separates(axis, point).then(|| m.separated_contact(cache, axis, 0))
+    }
+
+    /// The rest of step 1, and step 2.
+    #[inline(always)]
+    fn shortcut<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        m: &mut Minkowski<'_, A, B>,
+        settings: &Settings,
+        cache: &mut Cache,
+    ) -> Option<Contact> {
+        let tolerance = settings.relative_tolerance();
+        if let Some(found) = contact_of_balls(m, tolerance) {
+            cache.forget_axis();
+            return Some(found);
+        }
+        if settings.max_iterations == 0 {
+            return None;
+        }
+        let facets = m.facets()?;
+        let found = if sat::pays(m, &facets, cache) { sat::contact(m, facets, tolerance, cache)? } else { return None };
+        Some(Contact { support_calls: m.support_calls(), ..found })
+    }
+
+    /// Step 3, and the start of step 4.
+    #[inline(always)]
+    fn start<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        solver: Solver<'_, '_, A, B, (), Workspace>,
+        settings: &Settings,
+    ) -> Result<(Self, DVec3), Contact> {
+        let Solver { m, cache, workspace, .. } = solver;
         let (tolerance, max_iterations) = (settings.relative_tolerance(), settings.max_iterations);
-        Self { tolerance, max_iterations, search: ContactSearch::Axis(DVec3::ZERO) }
+        let until = if max_iterations == 0 { Until::Surface { tolerance } } else { Until::Decided };
+        let search = MprSearch::new(m, until);
+        let mut query = Self { tolerance, max_iterations, search: ContactSearch::Portal(search) };
+        if max_iterations == 0 {
+            return Ok((query, search.direction()));
+        }
+        let terms = epa::Terms::new(m, Some(tolerance), max_iterations);
+        let mut solver = Solver { query: &mut query, m, cache, workspace };
+        let Some(expansion) = solver.start_from_cache(terms) else { return Ok((query, search.direction())) };
+        solver.query.search = ContactSearch::Expansion(expansion, 0);
+        match solver.expand(None) {
+            Step::Ask(dir) => Ok((query, dir)),
+            Step::Answer(found) => Err(found),
+        }
     }
 
     #[inline(always)]
     fn advance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         solver: Solver<'_, '_, A, B, Self, Workspace>,
-        point: Option<Point>,
+        point: Point,
     ) -> Step<Contact> {
-        let Some(point) = point else {
-            // Step 1, up to the last separating axis.
-            if let Some(axis) = solver.m.axis_of_balls() {
-                return Step::Answer(solver.m.separated_contact(solver.cache, axis, 0));
-            }
-            let Some(axis) = solver.cache.axis() else { return solver.after_axis() };
-            solver.query.search = ContactSearch::Axis(axis);
-            return Step::Ask(axis);
-        };
-        match &mut solver.query.search {
-            ContactSearch::Axis(axis) if solver.m.separates(*axis, &point) => {
-                Step::Answer(solver.m.separated_contact(solver.cache, *axis, 0))
-            }
-            ContactSearch::Axis(_) => solver.after_axis(),
-            ContactSearch::Portal(search) => match search.continue_with(point) {
-                None => Step::Ask(search.direction()),
-                Some(found) => solver.after_portal(found),
-            },
-            ContactSearch::Expansion(..) => solver.expand(Some(point)),
+        let ContactSearch::Portal(search) = &mut solver.query.search else { return solver.expand(Some(point)) };
+        match search.continue_with(point) {
+            None => Step::Ask(search.direction()),
+            Some(found) => solver.after_portal(found),
         }
     }
 }
 
 impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, ContactQuery, Workspace> {
-    /// The rest of step 1, and steps 2 and 3: the axis of the cache does not separate the shapes.
-    #[inline(always)]
-    fn after_axis(mut self) -> Step<Contact> {
-        let ContactQuery { tolerance, max_iterations, .. } = *self.query;
-        if let Some(found) = contact_of_balls(self.m, tolerance) {
-            self.cache.forget_axis();
-            return Step::Answer(found);
-        }
-        if max_iterations == 0 {
-            return self.start_portal(Until::Surface { tolerance });
-        }
-        if let Some(facets) = self.m.facets()
-            && sat::pays(self.m, &facets, self.cache)
-            && let Some(found) = sat::contact(self.m, facets, tolerance, self.cache)
-        {
-            return Step::Answer(Contact { support_calls: self.m.support_calls(), ..found });
-        }
-        let terms = epa::Terms::new(self.m, Some(tolerance), max_iterations);
-        match self.start_from_cache(terms) {
-            Some(search) => {
-                self.query.search = ContactSearch::Expansion(search, 0);
-                self.expand(None)
-            }
-            None => self.start_portal(Until::Decided),
-        }
-    }
-
     /// Steps 4 and 5, up to the first support query.
     #[inline(always)]
     fn start_portal(self, until: Until) -> Step<Contact> {

@@ -15,7 +15,7 @@ use super::bound::Bound;
 use super::cache::Cache;
 use super::epa::FLAT_ROUNDINGS;
 use super::gjk::{self, Closest, GjkSearch, Simplex};
-use super::minkowski::{Point, Step};
+use super::minkowski::{Minkowski, Point, Step};
 use super::settings::Settings;
 use super::status::{Overlap, Status};
 use super::steps::{Solver, SteppedQuery, at_once};
@@ -110,7 +110,7 @@ pub(super) fn core_distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     at_once::<A, B, DistanceQuery>((a, b, b_in_a), settings, cache)
 }
 
-/// A distance query in steps. It waits for a support point.
+/// A distance query in steps.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DistanceQuery {
     settings: Settings,
@@ -125,70 +125,89 @@ impl SteppedQuery for DistanceQuery {
     type Workspace = ();
 
     #[inline(always)]
-    fn new(settings: &Settings) -> Self {
-        Self { settings: *settings, simplex: Simplex::empty(), search: None }
+    fn glance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        m: &Minkowski<'_, A, B>,
+        cache: &mut Cache,
+    ) -> Option<Step<Distance>> {
+        if !m.inner_balls_overlap() {
+            return None;
+        }
+        cache.forget_axis();
+        let common = m.point_in_both_balls();
+        Some(Step::Answer(Distance { point_a: common, point_b: common, ..overlapping(m) }))
+    }
+
+    /// Step 2.
+    #[inline(always)]
+    fn start<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        solver: Solver<'_, '_, A, B, (), ()>,
+        settings: &Settings,
+    ) -> Result<(Self, DVec3), Distance> {
+        let Solver { m, cache, workspace, .. } = solver;
+        let mut query = Self { settings: *settings, simplex: Simplex::empty(), search: None };
+        for vertex in cache.simplex().iter().filter_map(|features| m.recall(*features)) {
+            if !query.simplex.contains(vertex.w) {
+                query.simplex.push(vertex);
+            }
+        }
+        if query.simplex.is_empty() {
+            match cache.start() {
+                Some(axis) => return Ok((query, axis)),
+                None => _ = query.simplex.push(m.center_point()),
+            }
+        }
+        match (Solver { query: &mut query, m, cache, workspace }).continue_with(None) {
+            Step::Ask(dir) => Ok((query, dir)),
+            Step::Answer(found) => Err(found),
+        }
     }
 
     #[inline(always)]
     fn advance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         solver: Solver<'_, '_, A, B, Self, ()>,
-        mut point: Option<Point>,
+        point: Point,
     ) -> Step<Distance> {
-        let (m, Self { settings, simplex, search }) = (&*solver.m, &mut *solver.query);
-        if point.is_none() {
-            if m.inner_balls_overlap() {
-                solver.cache.forget_axis();
-                let common = m.point_in_both_balls();
-                return Step::Answer(Distance { point_a: common, point_b: common, ..solver.overlapping() });
-            }
-            for vertex in solver.cache.simplex().iter().filter_map(|features| m.recall(*features)) {
-                if !simplex.contains(vertex.w) {
-                    simplex.push(vertex);
-                }
-            }
-            if simplex.is_empty() {
-                match solver.cache.start() {
-                    Some(axis) => return Step::Ask(axis),
-                    None => _ = simplex.push(m.center_point()),
-                }
-            }
+        if solver.query.search.is_some() {
+            return solver.continue_with(Some(point));
         }
-        let search = match search {
-            Some(search) => search,
-            none => {
-                if let Some(first) = point.take() {
-                    simplex.push(first);
-                }
-                let (rounding, tolerance) = (m.rounding_error(), settings.relative_tolerance());
-                none.insert(GjkSearch::new(simplex, rounding, rounding, tolerance, settings.max_iterations))
-            }
-        };
-        match search.advance(simplex, point) {
-            Step::Ask(dir) => Step::Ask(dir),
-            Step::Answer(found) => Step::Answer(solver.conclude(&found)),
-        }
+        solver.query.simplex.push(point);
+        solver.continue_with(None)
+    }
+}
+
+/// The answer if the search proves nothing else: shapes that overlap.
+#[inline(always)]
+fn overlapping<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_, A, B>) -> Distance {
+    let center = m.center_point();
+    Distance {
+        status: Status::Overlapping,
+        upper: 0.0,
+        normal: unit(-center.w).unwrap_or(DVec3::X),
+        point_a: center.a,
+        point_b: center.b(),
+        ..Distance::default()
     }
 }
 
 impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, DistanceQuery, ()> {
-    /// The answer if the search proves nothing else: shapes that overlap.
+    /// Step 3, up to the next support query.
     #[inline(always)]
-    fn overlapping(&self) -> Distance {
-        let center = self.m.center_point();
-        Distance {
-            status: Status::Overlapping,
-            upper: 0.0,
-            normal: unit(-center.w).unwrap_or(DVec3::X),
-            point_a: center.a,
-            point_b: center.b(),
-            ..Distance::default()
+    fn continue_with(self, point: Option<Point>) -> Step<Distance> {
+        let DistanceQuery { settings, simplex, search } = &mut *self.query;
+        let search = search.get_or_insert_with(|| {
+            let (rounding, tolerance) = (self.m.rounding_error(), settings.relative_tolerance());
+            GjkSearch::new(simplex, rounding, rounding, tolerance, settings.max_iterations)
+        });
+        match search.advance(simplex, point) {
+            Step::Ask(dir) => Step::Ask(dir),
+            Step::Answer(found) => Step::Answer(self.conclude(&found)),
         }
     }
 
     #[inline(always)]
     fn conclude(mut self, found: &Closest) -> Distance {
         let (rounding, center, simplex) = (self.m.rounding_error(), self.m.center_point().w, &self.query.simplex);
-        let (mut out, tolerance) = (self.overlapping(), self.query.settings.relative_tolerance());
+        let (mut out, tolerance) = (overlapping(self.m), self.query.settings.relative_tolerance());
         self.cache.set_simplex(simplex.features());
         out.features = Point::first_features(simplex.features());
         let (point_a, point_b, between) = simplex.witnesses(found.upper, self.m.noise());

@@ -78,76 +78,85 @@ pub(super) fn core_intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     at_once::<A, B, IntersectionQuery>((a, b, b_in_a), &(), cache)
 }
 
-/// An intersection test in steps. It waits for a support point.
+/// An intersection test in steps.
 #[derive(Clone, Copy, Debug)]
-#[expect(clippy::large_enum_variant, reason = "a query is not moved, and the large variant is the usual one")]
-pub(crate) enum IntersectionQuery {
-    /// Along this separating axis of the cache.
-    Axis(DVec3),
-    /// For MPR.
-    Portal(MprSearch),
-}
+pub(crate) struct IntersectionQuery(MprSearch);
 
 impl SteppedQuery for IntersectionQuery {
     type Settings = ();
     type Answer = Intersection;
     type Workspace = ();
 
-    fn new((): &()) -> Self {
-        Self::Axis(DVec3::ZERO)
+    #[inline(always)]
+    fn glance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        m: &Minkowski<'_, A, B>,
+        cache: &mut Cache,
+    ) -> Option<Step<Intersection>> {
+        if m.inner_balls_overlap() {
+            cache.forget_axis();
+            return Some(Step::Answer(answer(m, Overlap::Overlapping, 0)));
+        }
+        if let Some(axis) = m.axis_of_balls() {
+            cache.set_axis(axis);
+            return Some(Step::Answer(answer(m, Overlap::Separated, 0)));
+        }
+        cache.axis().map(Step::Ask)
+    }
+
+    #[inline(always)]
+    fn separated<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        m: &Minkowski<'_, A, B>,
+        _cache: &mut Cache,
+        axis: DVec3,
+        point: &Point,
+    ) -> Option<Intersection> {
+        m.separates(axis, point).then(|| answer(m, Overlap::Separated, 0))
+    }
+
+    /// The portal of step 2.
+    #[inline(always)]
+    fn shortcut<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        m: &mut Minkowski<'_, A, B>,
+        (): &(),
+        cache: &mut Cache,
+    ) -> Option<Intersection> {
+        let features = cache.portal()?;
+        cached_portal_encloses(m, features).then(|| {
+            cache.forget_axis();
+            answer(m, Overlap::Overlapping, 0)
+        })
+    }
+
+    /// Step 3.
+    #[inline(always)]
+    fn start<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        solver: Solver<'_, '_, A, B, (), ()>,
+        (): &(),
+    ) -> Result<(Self, DVec3), Intersection> {
+        let search = MprSearch::new(solver.m, Until::Decided);
+        let dir = search.direction();
+        Ok((Self(search), dir))
     }
 
     #[inline(always)]
     fn advance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         solver: Solver<'_, '_, A, B, Self, ()>,
-        point: Option<Point>,
+        point: Point,
     ) -> Step<Intersection> {
-        let Some(point) = point else {
-            if solver.m.inner_balls_overlap() {
-                solver.cache.forget_axis();
-                return solver.answer(Overlap::Overlapping, 0);
-            }
-            if let Some(axis) = solver.m.axis_of_balls() {
-                solver.cache.set_axis(axis);
-                return solver.answer(Overlap::Separated, 0);
-            }
-            let Some(axis) = solver.cache.axis() else { return solver.after_axis() };
-            *solver.query = Self::Axis(axis);
-            return Step::Ask(axis);
-        };
-        match &mut *solver.query {
-            Self::Axis(axis) if solver.m.separates(*axis, &point) => solver.answer(Overlap::Separated, 0),
-            Self::Axis(_) => solver.after_axis(),
-            Self::Portal(search) => match search.continue_with(point) {
-                None => Step::Ask(search.direction()),
-                Some(found) => {
-                    let (status, steps) = conclude(solver.m, solver.cache, found, search.portal());
-                    let iterations = search.iterations() + steps;
-                    solver.answer(status, iterations)
-                }
-            },
-        }
+        let Solver { query: Self(search), m, cache, .. } = solver;
+        let Some(found) = search.continue_with(point) else { return Step::Ask(search.direction()) };
+        let (status, steps) = conclude(m, cache, found, search.portal());
+        Step::Answer(answer(m, status, search.iterations() + steps))
     }
 }
 
-impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, IntersectionQuery, ()> {
-    #[inline(always)]
-    fn answer(&self, status: Overlap, iterations: u32) -> Step<Intersection> {
-        Step::Answer(Intersection { status, iterations, support_calls: self.m.support_calls(), parts: [0; 2] })
-    }
-
-    /// The portal of step 2, then step 3.
-    #[inline(always)]
-    fn after_axis(self) -> Step<Intersection> {
-        if self.cache.portal().is_some_and(|features| cached_portal_encloses(self.m, features)) {
-            self.cache.forget_axis();
-            return self.answer(Overlap::Overlapping, 0);
-        }
-        let search = MprSearch::new(self.m, Until::Decided);
-        let dir = search.direction();
-        *self.query = IntersectionQuery::Portal(search);
-        Step::Ask(dir)
-    }
+#[inline(always)]
+fn answer<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    status: Overlap,
+    iterations: u32,
+) -> Intersection {
+    Intersection { status, iterations, support_calls: m.support_calls(), parts: [0; 2] }
 }
 
 /// What follows from the outcome of MPR, and step 4: the status, and the number of steps of EPA.

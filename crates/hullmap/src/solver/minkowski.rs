@@ -101,6 +101,10 @@ pub(crate) struct Interrupted {
 }
 
 impl Interrupted {
+    pub(crate) fn dir(&self) -> DVec3 {
+        self.dir
+    }
+
     #[inline]
     pub(crate) fn is_ready(&self) -> bool {
         self.on_a.is_ready() && self.on_b.is_ready()

@@ -342,12 +342,12 @@ impl MprSearch {
         }
         // Listing 2: v4 replaces one vertex, so that the ray pierces the new portal.
         let ray_normal = v4.w.cross(self.v0);
-        let replaced = match (v1.dot(ray_normal) >= 0.0, v2.dot(ray_normal) >= 0.0, v3.dot(ray_normal) >= 0.0) {
-            (true, true, _) | (false, _, false) => 0,
-            (true, false, _) => 2,
-            (false, _, true) => 1,
-        };
-        self.portal.vertices[replaced] = v4;
+        let [p1, p2, p3] = &mut self.portal.vertices;
+        match (v1.dot(ray_normal) >= 0.0, v2.dot(ray_normal) >= 0.0, v3.dot(ray_normal) >= 0.0) {
+            (true, true, _) | (false, _, false) => *p1 = v4,
+            (true, false, _) => *p3 = v4,
+            (false, _, true) => *p2 = v4,
+        }
         if step == MAX_REFINEMENT_STEPS {
             return Some(Found::Portal { is_behind: self.is_behind });
         }

@@ -40,20 +40,13 @@ impl Workspace {
     }
 }
 
-/// The polytope in `place`. There is one: a search starts with [`cleared`].
+/// The polytope in `place`.
 #[inline(always)]
 fn existing<const V: usize, const F: usize>(place: &mut Option<Polytope<V, F>>) -> &mut Polytope<V, F> {
     match place {
         Some(polytope) => polytope,
-        none => insert_empty(none, 0.0),
+        none => insert_empty(none),
     }
-}
-
-/// Not inlined: the polytope would be on the stack of each caller before it is moved.
-#[cold]
-#[inline(never)]
-fn insert_empty<const V: usize, const F: usize>(place: &mut Option<Polytope<V, F>>, noise: f64) -> &mut Polytope<V, F> {
-    place.insert(Polytope::empty(noise))
 }
 
 /// The polytope in `place`, without a surface. `noise` is the error bound of offsets, a length.
@@ -62,13 +55,16 @@ pub(super) fn cleared<const V: usize, const F: usize>(
     place: &mut Option<Polytope<V, F>>,
     noise: f64,
 ) -> &mut Polytope<V, F> {
-    match place {
-        Some(polytope) => {
-            polytope.clear(noise);
-            polytope
-        }
-        none => insert_empty(none, noise),
-    }
+    let polytope = existing(place);
+    polytope.clear(noise);
+    polytope
+}
+
+/// Not inlined: the polytope would be on the stack of each caller before it is moved.
+#[cold]
+#[inline(never)]
+fn insert_empty<const V: usize, const F: usize>(place: &mut Option<Polytope<V, F>>) -> &mut Polytope<V, F> {
+    place.insert(Polytope::EMPTY)
 }
 
 /// Memory for the large polytopes of deep contacts. With it, every query runs on a stack of
@@ -116,7 +112,7 @@ impl Scratch {
     /// Allocates scratch memory: about 230 KB. The largest part of it is on the stack for a moment,
     /// so call it on a thread with an ordinary stack.
     pub fn boxed() -> Box<Self> {
-        Box::new(Self { big: Polytope::empty(0.0), biggest: Polytope::empty(0.0) })
+        Box::new(Self { big: Polytope::EMPTY, biggest: Polytope::EMPTY })
     }
 }
 

@@ -9,6 +9,7 @@ use super::cache::Cache;
 use super::minkowski::{Interrupted, Minkowski, Point, Step};
 use crate::pose::Pose;
 use crate::support::SupportMap;
+use glam::DVec3;
 
 /// A query of two shapes without convex radii, between two steps.
 pub(crate) trait SteppedQuery: Sized {
@@ -17,13 +18,45 @@ pub(crate) trait SteppedQuery: Sized {
     /// Memory that it uses until it has ended.
     type Workspace: Default;
 
-    fn new(settings: &Self::Settings) -> Self;
+    /// What is known before the search: the answer, from balls inside of the shapes and around
+    /// them, or the last separating axis, whose support point may be enough.
+    fn glance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        m: &Minkowski<'_, A, B>,
+        cache: &mut Cache,
+    ) -> Option<Step<Self::Answer>>;
 
-    /// The next step: the first one, or with the support point in the direction requested by the
-    /// last one.
+    /// The answer if `axis` separates the shapes, with its support `point`.
+    fn separated<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        _m: &Minkowski<'_, A, B>,
+        _cache: &mut Cache,
+        _axis: DVec3,
+        _point: &Point,
+    ) -> Option<Self::Answer> {
+        None
+    }
+
+    /// The answer without a search, from few support queries at most.
+    fn shortcut<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        _m: &mut Minkowski<'_, A, B>,
+        _settings: &Self::Settings,
+        _cache: &mut Cache,
+    ) -> Option<Self::Answer> {
+        None
+    }
+
+    /// Starts the search, and returns the direction of its first support query.
+    ///
+    /// # Errors
+    /// The answer, if it takes no further support query.
+    fn start<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        solver: Solver<'_, '_, A, B, (), Self::Workspace>,
+        settings: &Self::Settings,
+    ) -> Result<(Self, DVec3), Self::Answer>;
+
+    /// The next step, with the support point in the direction requested by the last one.
     fn advance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         solver: Solver<'_, '_, A, B, Self, Self::Workspace>,
-        point: Option<Point>,
+        point: Point,
     ) -> Step<Self::Answer>;
 }
 
@@ -46,17 +79,57 @@ pub(super) fn at_once<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: Stepped
     settings: &Q::Settings,
     cache: &mut Cache,
 ) -> Q::Answer {
-    let (mut query, mut workspace, mut m) = (Q::new(settings), Q::Workspace::default(), Minkowski::new(a, b, b_in_a));
-    let mut step =
-        Q::advance(Solver { query: &mut query, m: &mut m, cache: &mut *cache, workspace: &mut workspace }, None);
-    loop {
-        match step {
-            Step::Answer(answer) => return answer,
-            Step::Ask(dir) => {
-                let point = Some(m.point(dir));
-                let (query, m, cache, workspace) = (&mut query, &mut m, &mut *cache, &mut workspace);
-                step = Q::advance(Solver { query, m, cache, workspace }, point);
+    let mut m = Minkowski::new(a, b, b_in_a);
+    match Q::glance(&m, cache) {
+        Some(Step::Answer(answer)) => return answer,
+        Some(Step::Ask(axis)) => {
+            let point = m.point(axis);
+            if let Some(answer) = Q::separated(&m, cache, axis, &point) {
+                return answer;
             }
+        }
+        None => {}
+    }
+    if let Some(answer) = Q::shortcut(&mut m, settings, cache) {
+        return answer;
+    }
+    if size_of::<Q::Workspace>() == 0 {
+        search::<A, B, Q>(&mut m, settings, cache)
+    } else {
+        search_apart::<A, B, Q>(&mut m, settings, cache)
+    }
+}
+
+/// [`search`], not inlined: a workspace takes four pages of the stack, which the pairs that are
+/// answered before would touch.
+#[inline(never)]
+fn search_apart<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: SteppedQuery>(
+    m: &mut Minkowski<'_, A, B>,
+    settings: &Q::Settings,
+    cache: &mut Cache,
+) -> Q::Answer {
+    search::<A, B, Q>(m, settings, cache)
+}
+
+/// Drives the search to its end.
+#[inline(always)]
+fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: SteppedQuery>(
+    m: &mut Minkowski<'_, A, B>,
+    settings: &Q::Settings,
+    cache: &mut Cache,
+) -> Q::Answer {
+    let workspace = &mut Q::Workspace::default();
+    let started = Solver { query: &mut (), m: &mut *m, cache: &mut *cache, workspace: &mut *workspace };
+    let (mut query, mut dir) = match Q::start(started, settings) {
+        Ok(started) => started,
+        Err(answer) => return answer,
+    };
+    loop {
+        let point = m.point(dir);
+        let (query, m, cache, workspace) = (&mut query, &mut *m, &mut *cache, &mut *workspace);
+        match Q::advance(Solver { query, m, cache, workspace }, point) {
+            Step::Ask(next) => dir = next,
+            Step::Answer(answer) => return answer,
         }
     }
 }
@@ -65,7 +138,8 @@ pub(super) fn at_once<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: Stepped
 #[derive(Debug)]
 pub(crate) struct Suspended<'s, A: ?Sized, B: ?Sized, Q> {
     m: Minkowski<'s, A, B>,
-    query: Q,
+    /// `None` while the support point of the last separating axis is awaited.
+    query: Option<Q>,
     next: Interrupted,
 }
 
@@ -81,31 +155,66 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: SteppedQuery> Suspen
         cache: &mut Cache,
         workspace: &mut Q::Workspace,
     ) -> Result<Self, Q::Answer> {
-        let (mut m, mut query) = (Minkowski::new(a, b, b_in_a), Q::new(settings));
-        match Q::advance(Solver { query: &mut query, m: &mut m, cache, workspace }, None) {
-            Step::Answer(answer) => Err(answer),
-            Step::Ask(dir) => {
-                let next = m.start(dir);
-                Ok(Self { m, query, next })
+        let mut m = Minkowski::new(a, b, b_in_a);
+        let (query, dir) = match Q::glance(&m, cache) {
+            Some(Step::Answer(answer)) => return Err(answer),
+            Some(Step::Ask(axis)) => (None, axis),
+            None => {
+                let (query, dir) = Self::search(&mut m, settings, cache, workspace)?;
+                (Some(query), dir)
             }
+        };
+        let next = m.start(dir);
+        Ok(Self { m, query, next })
+    }
+
+    #[inline(always)]
+    fn search(
+        m: &mut Minkowski<'s, A, B>,
+        settings: &Q::Settings,
+        cache: &mut Cache,
+        workspace: &mut Q::Workspace,
+    ) -> Result<(Q, DVec3), Q::Answer> {
+        match Q::shortcut(m, settings, cache) {
+            Some(answer) => Err(answer),
+            None => Q::start(Solver { query: &mut (), m, cache, workspace }, settings),
         }
     }
 
     /// Continues until the query's next read from memory. Returns the answer as soon as it is
     /// known. The arguments are the same as of [`start`](Self::start).
     #[inline(always)]
-    pub(crate) fn resume(&mut self, cache: &mut Cache, workspace: &mut Q::Workspace) -> Option<Q::Answer> {
+    pub(crate) fn resume(
+        &mut self,
+        settings: &Q::Settings,
+        cache: &mut Cache,
+        workspace: &mut Q::Workspace,
+    ) -> Option<Q::Answer> {
         if !self.next.is_ready() {
             self.m.resume(&mut self.next);
             return None;
         }
-        let point = self.m.finish(&self.next);
-        match Q::advance(Solver { query: &mut self.query, m: &mut self.m, cache, workspace }, Some(point)) {
-            Step::Answer(answer) => Some(answer),
-            Step::Ask(dir) => {
-                self.next = self.m.start(dir);
-                None
+        let (point, axis) = (self.m.finish(&self.next), self.next.dir());
+        let m = &mut self.m;
+        let dir = match &mut self.query {
+            Some(query) => match Q::advance(Solver { query, m, cache, workspace }, point) {
+                Step::Answer(answer) => return Some(answer),
+                Step::Ask(dir) => dir,
+            },
+            none => {
+                if let Some(answer) = Q::separated(m, cache, axis, &point) {
+                    return Some(answer);
+                }
+                match Self::search(m, settings, cache, workspace) {
+                    Err(answer) => return Some(answer),
+                    Ok((query, dir)) => {
+                        *none = Some(query);
+                        dir
+                    }
+                }
             }
-        }
+        };
+        self.next = self.m.start(dir);
+        None
     }
 }

@@ -40,6 +40,7 @@ pub(in crate::solver) use self::search::{End, Expansion, TOUCHING_ROUNDINGS, Ter
 
 use self::polytope::Polytope;
 use self::search::{KEEP, Next, State};
+use crate::solver::answer::beside;
 use crate::solver::bound::{Bound, FOOT_ROUNDINGS};
 use crate::solver::cache::{Cache, CachedPolytope};
 use crate::solver::minkowski::{Minkowski, Point, Step};
@@ -225,14 +226,14 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
 
     #[inline(never)]
     fn expand_on_stack(&mut self, medium: &Medium, state: &mut State, terms: &Terms) -> Expansion {
-        let mut big = Big::empty(0.0);
+        let mut big = Big::EMPTY;
         self.expand_in(medium, &mut big, state, terms).unwrap_or_else(|big| self.expand_to_the_limit(big, state, terms))
     }
 
     /// A function of its own, since most expansions do not need its stack.
     #[inline(never)]
     fn expand_to_the_limit(&mut self, big: &Big, state: &mut State, terms: &Terms) -> Expansion {
-        let mut biggest = Biggest::empty(0.0);
+        let mut biggest = Biggest::EMPTY;
         self.expand_in(big, &mut biggest, state, terms)
             .unwrap_or_else(|last| self.finish_expansion(last, state, terms, None))
     }
@@ -278,7 +279,10 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
             state.out.features = Point::first_features(face.iter().map(|point| point.features));
         }
         if state.encloses && terms.keeps_polytope() {
-            state.out.others = polytope.offset_beside(normal);
+            // Depths beyond it make no difference.
+            let interval = [state.out.lower - self.noise(), upper.max(0.0) + self.rounding_error()];
+            let limit = 2.0 * beside(interval, self.outer_radius());
+            state.out.others = polytope.offset_beside(normal, limit);
         }
         let mut expansion = state.out;
         if expansion.end == End::Converged {

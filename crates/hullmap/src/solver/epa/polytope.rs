@@ -103,28 +103,35 @@ pub(in crate::solver) struct Polytope<const V: usize, const F: usize> {
 }
 
 impl<const V: usize, const F: usize> Polytope<V, F> {
-    /// A polytope without a surface. `noise` is the error bound of offsets, a length.
-    #[inline(always)]
-    pub(in crate::solver) fn empty(noise: f64) -> Self {
-        const { assert!(F >= 2 * V && F.is_multiple_of(OFFSET_LANES) && F <= u16::MAX as usize) }
+    /// Memory for a polytope, to be [cleared](Self::clear) first. All of its bytes are zero, so it
+    /// is written in its place; anything else would be copied there.
+    pub(in crate::solver) const EMPTY: Self = {
+        assert!(F >= 2 * V && F.is_multiple_of(OFFSET_LANES) && F <= u16::MAX as usize);
         Self {
             w: [[0.0; V]; 3],
             a: [DVec3::ZERO; V],
             features: [[0; 2]; V],
             point_count: 0,
-            offsets: [f64::INFINITY; F],
+            offsets: [0.0; F],
             planes: [[0.0; F]; 4],
             corners: [[0; 3]; F],
             neighbours: [[0; 3]; F],
             face_count: 0,
             nearest: 0,
             encloses: false,
-            dispatch: Dispatch::best(),
-            slack: COPLANAR_NOISES * noise,
+            dispatch: Dispatch::Portable,
+            slack: 0.0,
             open_edges: [(0, 0); F],
             removed: [0; F],
             horizon: [HorizonEdge { from: 0, beyond: 0, beyond_edge: 0 }; V],
         }
+    };
+
+    #[cfg(test)]
+    fn empty(noise: f64) -> Self {
+        let mut polytope = Self::EMPTY;
+        polytope.clear(noise);
+        polytope
     }
 
     /// Becomes the tetrahedron `seed`. Returns false if one of its heights is at most `min_height`.
@@ -221,12 +228,13 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.corners[face][0] == self.corners[face][1]
     }
 
-    /// Makes the polytope as [`empty`](Self::empty) returns it.
+    /// Leaves no surface. `noise` is the error bound of offsets, a length.
+    #[inline(always)]
     pub(in crate::solver) fn clear(&mut self, noise: f64) {
         self.offsets.fill(f64::INFINITY);
         self.corners.fill([0; 3]);
         (self.point_count, self.face_count, self.nearest, self.encloses) = (0, 0, 0, false);
-        self.slack = COPLANAR_NOISES * noise;
+        (self.dispatch, self.slack) = (Dispatch::best(), COPLANAR_NOISES * noise);
     }
 
     /// Overwrites `big`, which has more room, with this surface.
@@ -236,7 +244,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         big.offsets.fill(f64::INFINITY);
         big.corners.fill([0; 3]);
         big.encloses = false;
-        big.slack = self.slack;
+        (big.dispatch, big.slack) = (self.dispatch, self.slack);
         for axis in 0..3 {
             big.w[axis][..self.point_count].copy_from_slice(&self.w[axis][..self.point_count]);
         }
@@ -304,9 +312,9 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         (normal, normal.length(), offset_sq.abs().sqrt().copysign(offset_sq))
     }
 
-    /// The least offset of the faces whose normal differs from `normal`.
-    pub(in crate::solver) fn offset_beside(&self, normal: DVec3) -> f64 {
-        let mut lowest = f64::INFINITY;
+    /// The least offset of the faces whose normal differs from `normal`, at most `limit` > 0.
+    pub(in crate::solver) fn offset_beside(&self, normal: DVec3, limit: f64) -> f64 {
+        let mut lowest = limit * limit;
         for face in 0..self.face_count {
             // The offset of a free place is infinite.
             if self.offsets[face] < lowest {
