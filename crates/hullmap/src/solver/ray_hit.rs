@@ -4,11 +4,13 @@ use glam::DVec3;
 
 use super::motion::Ray;
 use super::status::Status;
+use crate::fields::fields;
 
 /// Answer of [`ray`](crate::ray()): where a ray first enters a shape.
 ///
 /// Points and directions are in the shape's frame. t is a factor of the ray's direction, which
 /// need not be of unit length.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
     /// False only if it is certain that the ray misses the shape up to
@@ -45,9 +47,18 @@ pub struct RayHit {
     pub iterations: u32,
     /// Number of support calls.
     pub support_calls: u32,
-    /// Index of the part that decided the answer: the hull of a compound, the triangle of a mesh or
-    /// a field. 0 for a shape without parts.
+    /// Index of the part that decided the answer: the hull of a pack, the triangle of a mesh or a
+    /// field. 0 for a shape without parts.
     pub part: u32,
+}
+
+fields!(RayHit { hit status t t_lower t_upper point normal iterations support_calls part });
+
+impl Default for RayHit {
+    /// A hit that claims nothing.
+    fn default() -> Self {
+        super::Impact::default().ray_hit(DVec3::ZERO)
+    }
 }
 
 impl RayHit {
