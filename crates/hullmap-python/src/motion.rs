@@ -11,7 +11,7 @@ use pyo3::types::PyDict;
 
 use crate::columns::{Columns, Kind, Row, Rows, Spec};
 use crate::error::{ArrayError, PoseError, ShapeError};
-use crate::pose::Rows;
+use crate::pose::Rows as PoseRows;
 use crate::query::cache_of;
 use crate::shape::Shape;
 use crate::solve::Rays;
@@ -214,7 +214,7 @@ pub fn derivatives<'py>(
     let (a, b) = (a.0.clone(), b.0.clone());
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
     let (own_a, own_b) = (convex_only(&a)?, convex_only(&b)?);
-    let poses = Rows::new("b_in_a", &b_in_a)?;
+    let poses = PoseRows::new("b_in_a", &b_in_a)?;
     let solve = |first: usize, count: usize, mut rows: Rows<'_>| {
         for at in 0..count {
             let row = first + at;
@@ -280,7 +280,7 @@ pub fn witness_derivatives<'py>(
     let (a, b) = (a.0.clone(), b.0.clone());
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
     let (own_a, own_b) = (convex_only(&a)?, convex_only(&b)?);
-    let poses = Rows::new("b_in_a", &b_in_a)?;
+    let poses = PoseRows::new("b_in_a", &b_in_a)?;
     let solve = |first: usize, count: usize, mut rows: Rows<'_>| {
         for at in 0..count {
             let row = first + at;
@@ -295,16 +295,16 @@ pub fn witness_derivatives<'py>(
                 let by = found.witness_derivatives(own_a, own_b, pose);
                 (found.normal, [found.point_a, found.point_b], found.status, by)
             };
-            let row = rows.row(at).put(normal).put(points[0]).put(points[1]).put(by.status);
+            let mut row = rows.row(at).put(normal).put(points[0]).put(points[1]).put(by.status);
             let matrices = [
                 (by.by_a.normal, by.by_b.normal),
                 (by.by_a.point_a, by.by_b.point_a),
                 (by.by_a.point_b, by.by_b.point_b),
             ];
-            let both = |row: Row<'_, '_>, (by_a, by_b): &([[f64; 6]; 3], [[f64; 6]; 3])| {
-                row.numbers(by_a.as_flattened()).numbers(by_b.as_flattened())
-            };
-            matrices.iter().fold(row, both).put(status);
+            for (by_a, by_b) in &matrices {
+                row = row.numbers(by_a.as_flattened()).numbers(by_b.as_flattened());
+            }
+            row.put(status);
         }
         Ok(())
     };

@@ -14,7 +14,7 @@ use pyo3::types::PyDict;
 
 use crate::columns::{Columns, Kind, Rows, Spec};
 use crate::error::{self, ArrayError, Error};
-use crate::pose::Rows;
+use crate::pose::Rows as PoseRows;
 use crate::shape::Shape;
 use crate::task::{Cut, fill};
 use crate::threads::{self, Threads};
@@ -59,7 +59,7 @@ pub struct Robot {
 /// Configurations: numbers of joints, or poses of links.
 enum Configurations {
     Joints(Vec<f64>),
-    Poses(Rows),
+    Poses(PoseRows),
 }
 
 fn raised(error: PlanningError) -> PyErr {
@@ -97,7 +97,7 @@ impl Robot {
         Ok(match (q, poses) {
             (Some(q), None) => Configurations::Joints(self.joints("q", q)?),
             (None, Some(poses)) => {
-                let rows = Rows::new("poses", poses)?;
+                let rows = PoseRows::new("poses", poses)?;
                 if rows.count() != count * self.robot.links().len() {
                     return Err(ArrayError::new_err("poses: pass one pose for each link"));
                 }
@@ -114,7 +114,7 @@ impl Robot {
     }
 
     /// The poses of all links of row `row`.
-    fn poses(&self, rows: &Rows, row: usize) -> Result<Vec<Pose>, String> {
+    fn poses(&self, rows: &PoseRows, row: usize) -> Result<Vec<Pose>, String> {
         let count = self.robot.links().len();
         (row * count..(row + 1) * count).map(|at| rows.get(at)).collect()
     }

@@ -40,7 +40,7 @@ pub fn intersects<'py>(
         Columns::of::<core::Intersection>(task.count)?,
         |_| Ok(|[a, b]: Pair<'_>, pose: Pose, cache: &mut Cache| core::intersects(a, b, pose, cache)),
         known,
-        Rows::put,
+        |rows, at, found| rows.put(at, found),
     )
 }
 
@@ -65,7 +65,7 @@ pub fn distance<'py>(
         Columns::of::<core::Distance>(task.count)?,
         |_| Ok(|[a, b]: Pair<'_>, pose: Pose, cache: &mut Cache| core::distance(a, b, pose, &settings, cache)),
         known,
-        Rows::put,
+        |rows, at, found| rows.put(at, found),
     )
 }
 
@@ -90,7 +90,7 @@ pub fn contact<'py>(
         Columns::of::<core::Contact>(task.count)?,
         |_| Ok(|[a, b]: Pair<'_>, pose: Pose, cache: &mut Cache| core::contact(a, b, pose, &settings, cache)),
         known,
-        Rows::put,
+        |rows, at, found| rows.put(at, found),
     )
 }
 
@@ -119,7 +119,7 @@ pub fn cast<'py>(
             Ok(move |[a, b]: Pair<'_>, pose: Pose, cache: &mut Cache| core::cast(a, b, pose, motion, &settings, cache))
         },
         |_| None,
-        Rows::put,
+        |rows, at, found| rows.put(at, found),
     )
 }
 

@@ -41,7 +41,7 @@ fn batches_have_the_bits_of_single_queries() {
                 assert_eq!(hullmap_distance(pair.a, pair.b, pose, null(), cache, &raw mut gap), Code::Ok);
                 assert_eq!(hullmap_contact(pair.a, pair.b, pose, null(), cache, &raw mut contact), Code::Ok);
             }
-            assert_eq!((hit, gap, contact), (hits[i], gaps[i], contacts[i]), "pair {i}");
+            same(&(i, hit, gap, contact), &(i, hits[i], gaps[i], contacts[i]));
         }
     }
     // SAFETY: zeros are a valid value.
