@@ -19,6 +19,7 @@ Queries run on all processors, without holding Python's global lock.
 from __future__ import annotations
 
 from ._answers import (
+    Clearance,
     Contact,
     Differentiability,
     Distance,
@@ -43,7 +44,6 @@ from ._hullmap import (
     __version__,
 )
 from ._motion import (
-    Clearance,
     Derivatives,
     Motion,
     TimeOfImpact,
