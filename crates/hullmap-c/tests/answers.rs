@@ -212,7 +212,7 @@ fn typescript(header: &str) -> String {
                     }
                 };
                 let own = if is_many { String::new() } else { comment(own, "    ") };
-                write!(text, "{own}    {}: {kind};\n", camel(name)).unwrap();
+                writeln!(text, "{own}    {}: {kind};", camel(name)).unwrap();
             }
             text += "}\n";
         };

@@ -239,11 +239,7 @@ fn a_level_carries_a_box_and_has_no_support_points() {
         translation: DVec3 { x: 0.2, y: 0.1, z },
         rotation: DQuat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 },
     };
-    let mut hit = types::RayHit::from(hullmap::ray(
-        &hullmap::shapes::Sphere::new(1.0).unwrap(),
-        &hullmap::Ray::new(DVec3::ZERO, DVec3::X).unwrap(),
-        &hullmap::CastSettings::default(),
-    ));
+    let mut hit = types::RayHit::default();
     let mut bounds = types::Bounds::default();
     // SAFETY: the pointers are valid.
     unsafe {
