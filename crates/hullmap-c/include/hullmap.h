@@ -1023,8 +1023,8 @@ typedef struct {
     uint32_t iterations;
     // Number of support calls. One call queries both shapes once.
     uint32_t support_calls;
-    // The parts of A and of B that meet first if the motion hits, by index: hulls of a pack, triangles
-    // of a mesh or a field. 0 otherwise, and for a shape without parts.
+    // The parts of A and of B that meet first if the motion hits, by index: hulls of a pack,
+    // triangles of a mesh or a field. 0 otherwise, and for a shape without parts.
     uint32_t parts[2];
 } HullmapClearance;
 

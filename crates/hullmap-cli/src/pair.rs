@@ -8,8 +8,8 @@ use serde::Serialize;
 
 use crate::args::Mode;
 
-/// Answer of a query, by the names of JSON. Points and normal are in A's frame; fields that the mode
-/// does not compute are `None`.
+/// Answer of a query, by the names of JSON. Points and normal are in A's frame; fields that the
+/// mode does not compute are `None`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct PairAnswer {
     /// Whether the two overlap or touch; `None` if undecided.

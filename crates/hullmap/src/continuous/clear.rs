@@ -93,8 +93,8 @@ pub struct Clearance {
     pub iterations: u32,
     /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
-    /// The parts of A and of B that meet first if the motion hits, by index: hulls of a pack, triangles
-    /// of a mesh or a field. 0 otherwise, and for a shape without parts.
+    /// The parts of A and of B that meet first if the motion hits, by index: hulls of a pack,
+    /// triangles of a mesh or a field. 0 otherwise, and for a shape without parts.
     pub parts: [u32; 2],
 }
 

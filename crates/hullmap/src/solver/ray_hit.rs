@@ -57,7 +57,18 @@ fields!(RayHit { hit status t t_lower t_upper point normal iterations support_ca
 impl Default for RayHit {
     /// A hit that claims nothing.
     fn default() -> Self {
-        super::Impact::default().ray_hit(DVec3::ZERO)
+        Self {
+            hit: true,
+            status: Status::Touching,
+            t: 0.0,
+            t_lower: 0.0,
+            t_upper: f64::INFINITY,
+            point: DVec3::ZERO,
+            normal: DVec3::X,
+            iterations: 0,
+            support_calls: 0,
+            part: 0,
+        }
     }
 }
 
@@ -71,10 +82,7 @@ impl RayHit {
             t_lower: f64::INFINITY,
             t_upper: f64::INFINITY,
             point: ray.origin(),
-            normal: DVec3::X,
-            iterations: 0,
-            support_calls: 0,
-            part: 0,
+            ..Self::default()
         }
     }
 }
