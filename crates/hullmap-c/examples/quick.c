@@ -38,7 +38,7 @@ int main(int count, char **arguments) {
     CHECK(hullmap_shape_sphere(0.5, &ball));
 
     HullmapVec3 up = {0.0, 0.0, 1.0};
-    HullmapSupport top;
+    HullmapSupportPoint top;
     CHECK(hullmap_support(hull, &up, 1, &top));
     printf("the highest vertex is %u, at z = %g\n", (unsigned)top.feature, top.point.z);
 

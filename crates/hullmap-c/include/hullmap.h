@@ -51,6 +51,23 @@
 #include <stddef.h>
 #include <stdint.h>
 
+// A point, a direction or a velocity.
+typedef struct {
+    double x;
+    double y;
+    double z;
+} HullmapVec3;
+
+// A rotation. Any length but zero: it is normalised by each query. The identity is (0, 0, 0, 1).
+typedef struct {
+    // Vector part.
+    double x;
+    double y;
+    double z;
+    // Scalar part.
+    double w;
+} HullmapQuat;
+
 // Number of the binary interface. A program compares it with hullmap_abi_version() if it loads the
 // library at run time.
 #define HULLMAP_ABI_VERSION 1
@@ -102,17 +119,85 @@ typedef uint32_t HullmapResult;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// The solid that mass properties describe.
+enum HullmapMassSource
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // The hulls. Parts of a mesh overlap, and hulls of concave meshes and simplified hulls are
+    // larger than their mesh, so their mass is an upper bound, and may be twice the mesh's.
+    HULLMAP_MASS_SOURCE_HULLS = 0,
+    // The mesh that the hulls were baked from.
+    HULLMAP_MASS_SOURCE_MESH = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum HullmapMassSource HullmapMassSource;
+#else
+typedef uint32_t HullmapMassSource;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Class of an edge of a triangle.
+enum HullmapEdgeClass
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // No other triangle has the edge.
+    HULLMAP_EDGE_CLASS_BORDER = 0,
+    // The neighbour continues in the same plane, to within a sine of 1e-3.
+    HULLMAP_EDGE_CLASS_FLAT = 1,
+    // A ridge: the neighbour falls behind the plane of the triangle.
+    HULLMAP_EDGE_CLASS_CONVEX = 2,
+    // A valley: the neighbour rises before the plane of the triangle.
+    HULLMAP_EDGE_CLASS_CONCAVE = 3,
+    // More than two triangles have the edge.
+    HULLMAP_EDGE_CLASS_NON_MANIFOLD = 4,
+    // The neighbour's front is on the other side: both triangles have the edge in the same
+    // direction.
+    HULLMAP_EDGE_CLASS_REVERSED = 5,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum HullmapEdgeClass HullmapEdgeClass;
+#else
+typedef uint32_t HullmapEdgeClass;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// The diagonal that divides each cell.
+enum HullmapDiagonal
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // From the vertex with the least x and y to that with the greatest.
+    HULLMAP_DIAGONAL_RISING = 0,
+    // From the greatest x and least y to the least x and greatest y.
+    HULLMAP_DIAGONAL_FALLING = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum HullmapDiagonal HullmapDiagonal;
+#else
+typedef uint32_t HullmapDiagonal;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // Whether two shapes share a point.
 enum HullmapOverlap
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    // They share no point: a separating plane proves it.
+    // They share no point: a separating plane proves it. Its number is 0, so in C, any other
+    // status is a hit.
     HULLMAP_OVERLAP_SEPARATED = 0,
     // Their interiors share points.
     HULLMAP_OVERLAP_OVERLAPPING = 1,
-    // They touch: any gap or penetration is below rounding error.
+    // They touch, as HULLMAP_STATUS_TOUCHING defines it.
     HULLMAP_OVERLAP_TOUCHING = 2,
     // Not known: an iteration limit was reached, or rounding error stopped all progress.
     HULLMAP_OVERLAP_UNDECIDED = 3,
@@ -125,8 +210,9 @@ typedef uint32_t HullmapOverlap;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// How a query ended, and thus how narrow its interval is. The interval contains the true value
-// whatever the status is.
+// How a distance or contact query ended, and thus how narrow its interval is.
+//
+// The interval contains the true value whatever the status is.
 enum HullmapStatus
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
@@ -134,17 +220,21 @@ enum HullmapStatus
  {
     // The interval is as narrow as rounding error allows.
     HULLMAP_STATUS_EXACT = 0,
-    // The interval is within the tolerance.
+    // The interval is within HullmapSettings.tolerance.
     HULLMAP_STATUS_WITHIN = 1,
-    // The shapes touch: any gap or penetration is below rounding error.
+    // The shapes touch: rounding error leaves open whether they overlap. A gap or a penetration is
+    // at most 64 rounding errors: docs/contributors/intervals.md, section 6, states them. For
+    // baked hulls near the origin, that is 1e-10 of the sum of their outer radii.
     HULLMAP_STATUS_TOUCHING = 2,
-    // The shapes overlap.
+    // The shapes overlap: their distance is 0, or a ray or a motion starts so.
     HULLMAP_STATUS_OVERLAPPING = 3,
-    // The shapes are certainly separated; of a ray or a cast: certainly no hit.
+    // Certainly no contact, or no hit of a ray or a motion: a separating plane proves it.
     HULLMAP_STATUS_SEPARATED = 4,
-    // The iteration limit was reached; the interval is wider than the tolerance.
+    // The iteration limit was reached; the interval is wider than the tolerance, or the witness
+    // points are less accurate than the interval.
     HULLMAP_STATUS_ITERATION_LIMIT = 5,
-    // Rounding error stopped all progress; the interval is wider than the tolerance.
+    // Rounding error stopped all progress; the interval is wider than the tolerance, or the
+    // witness points are less accurate than the interval.
     HULLMAP_STATUS_STALLED = 6,
 };
 #ifndef __cplusplus
@@ -155,30 +245,35 @@ typedef uint32_t HullmapStatus;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Whether a value has a derivative, or the reason why it has none.
+// Whether a length or a time has a derivative, or the reason why it has none.
 enum HullmapDifferentiability
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    // There is one pair of points and one normal: the numbers are derivatives.
+    // There is one pair of points and one normal within the interval of the answer.
     HULLMAP_DIFFERENTIABILITY_UNIQUE = 0,
-    // The shapes touch: distance and depth have a kink at 0.
+    // The shapes touch, or it is not certain that they do not: distance and depth have a kink at
+    // 0.
     HULLMAP_DIFFERENTIABILITY_TOUCHING = 1,
-    // Faces or edges are parallel, so several pairs of points have the same distance.
+    // Faces or edges are parallel within the interval, so several pairs of points have the same
+    // distance: a rotation moves each of them differently.
     HULLMAP_DIFFERENTIABILITY_PARALLEL = 2,
-    // Several normals have the same depth, or a line meets a vertex or an edge.
+    // Several normals have the same depth within the interval, or a line meets a vertex or an
+    // edge.
     HULLMAP_DIFFERENTIABILITY_NORMALS = 3,
-    // A motion is parallel to the surface where it meets it.
+    // A ray or a motion is parallel to the surface that it meets, within rounding error.
     HULLMAP_DIFFERENTIABILITY_GRAZING = 4,
-    // There is nothing to differentiate: no hit, an overlap at the start of a motion, or a
-    // separated pair whose depth is requested. The numbers are 0.
+    // There is nothing to differentiate: no hit, an overlap at the start of a motion, or the depth
+    // of a separated pair.
     HULLMAP_DIFFERENTIABILITY_MISSING = 5,
     // The answer is less accurate than its settings require.
     HULLMAP_DIFFERENTIABILITY_INACCURATE = 6,
-    // Only of normals and points: other vertices, edges or faces are nearest for poses nearby.
+    // Only of normals and points: a point is on the border of its face or edge, or the normal is
+    // on the border of the normals of its edge or vertex, within the interval. Other features are
+    // nearest beyond.
     HULLMAP_DIFFERENTIABILITY_FEATURE = 7,
-    // Only of normals and points: the shape is curved there.
+    // Only of normals and points: the shape is curved there, and no feature describes how.
     HULLMAP_DIFFERENTIABILITY_CURVED = 8,
 };
 #ifndef __cplusplus
@@ -195,9 +290,9 @@ enum HullmapVerdict
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    // The shapes certainly are farther apart than the margin at all times.
+    // The bodies are certainly farther apart than the margin at all times.
     HULLMAP_VERDICT_FREE = 0,
-    // They certainly are within the margin at some time.
+    // They are certainly within the margin at some time.
     HULLMAP_VERDICT_HIT = 1,
     // Neither is known: they graze the margin within rounding error, or the limit of queries was
     // reached.
@@ -229,71 +324,6 @@ enum HullmapFeatureKind
 typedef enum HullmapFeatureKind HullmapFeatureKind;
 #else
 typedef uint32_t HullmapFeatureKind;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
-
-// The diagonal that divides each cell of a height field: HullmapFieldLayout.diagonal.
-enum HullmapDiagonal
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : uint32_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
-    // From the vertex with the least x and y to that with the greatest.
-    HULLMAP_DIAGONAL_RISING = 0,
-    // From the greatest x and least y to the least x and greatest y.
-    HULLMAP_DIAGONAL_FALLING = 1,
-};
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum HullmapDiagonal HullmapDiagonal;
-#else
-typedef uint32_t HullmapDiagonal;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
-
-// What an edge of a triangle is, seen from the front: HullmapMeshTriangle.edge_classes.
-enum HullmapEdgeClass
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : uint32_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
-    // No other triangle has the edge.
-    HULLMAP_EDGE_CLASS_BORDER = 0,
-    // The neighbour continues in the same plane.
-    HULLMAP_EDGE_CLASS_FLAT = 1,
-    // A ridge.
-    HULLMAP_EDGE_CLASS_CONVEX = 2,
-    // A valley.
-    HULLMAP_EDGE_CLASS_CONCAVE = 3,
-    // More than two triangles have the edge.
-    HULLMAP_EDGE_CLASS_NON_MANIFOLD = 4,
-    // The neighbour has the other side in front.
-    HULLMAP_EDGE_CLASS_REVERSED = 5,
-};
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum HullmapEdgeClass HullmapEdgeClass;
-#else
-typedef uint32_t HullmapEdgeClass;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
-
-// The solid that mass properties describe: HullmapMassProperties.source.
-enum HullmapMassSource
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : uint32_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
-    // The hulls. Parts of a mesh overlap, so their mass is too large, up to about twice.
-    HULLMAP_MASS_SOURCE_HULLS = 0,
-    // The mesh that the hulls were baked from.
-    HULLMAP_MASS_SOURCE_MESH = 1,
-};
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum HullmapMassSource HullmapMassSource;
-#else
-typedef uint32_t HullmapMassSource;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -418,17 +448,8 @@ typedef struct {
     size_t length;
 } HullmapText;
 
-// A point, a direction or a velocity.
-typedef struct {
-    // First coordinate.
-    double x;
-    // Second coordinate.
-    double y;
-    // Third coordinate.
-    double z;
-} HullmapVec3;
-
-// An axis-aligned box.
+// An axis-aligned box that contains a shape, in the frame that its pose maps to and in the shape's
+// unit.
 typedef struct {
     // Minimum of each coordinate.
     HullmapVec3 min;
@@ -497,18 +518,6 @@ typedef struct {
     double voids_error;
 } HullmapHullFacts;
 
-// A rotation. Any length but zero: it is normalised by each query. The identity is (0, 0, 0, 1).
-typedef struct {
-    // Vector part.
-    double x;
-    // Vector part.
-    double y;
-    // Vector part.
-    double z;
-    // Scalar part.
-    double w;
-} HullmapQuat;
-
 // A rigid motion: rotate, then translate. `b_in_a` maps points of B's frame into A's frame. From
 // the poses of both in a world, hullmap_pose_relative() computes it. A component of the
 // translation is at most 3.4e38.
@@ -544,8 +553,8 @@ typedef struct {
     HullmapVec3 center_of_mass;
     // Inertia tensor about the centre of mass, row by row; symmetric.
     double inertia[9];
-    // A HullmapMassSource.
-    uint32_t source;
+    // The solid that these are the properties of.
+    HullmapMassSource source;
 } HullmapMassProperties;
 
 // The arrays of a hull: pointers into the pack, for reading only. They are valid as long as the
@@ -586,8 +595,8 @@ typedef struct {
     uint32_t vertices[3];
     // The triangles beyond its edges; UINT32_MAX where there is none, or more than one.
     uint32_t neighbours[3];
-    // Classes of its edges: a HullmapEdgeClass each.
-    uint32_t edge_classes[3];
+    // Classes of its edges.
+    HullmapEdgeClass edge_classes[3];
     // Its index in the mesh that was baked; of a field, its own index.
     uint32_t source_triangle;
     // Its material; 0 without one.
@@ -606,15 +615,16 @@ typedef struct {
     double origin[2];
     // Distance of neighbouring vertices along x and along y.
     double spacing[2];
-    // A HullmapDiagonal.
-    uint32_t diagonal;
+    // The diagonal that divides each cell.
+    HullmapDiagonal diagonal;
     // Number of cells that are holes. A hole has no triangles, but their indices are reserved.
     size_t holes;
 } HullmapFieldLayout;
 
-// The ground of a height field at a point of the plane.
+// Height and normal of a height field at a point.
 typedef struct {
-    // z of the surface.
+    // z of the surface, on the plane of the triangle. Its rounding error is at most a few units
+    // in the last place of the greatest height of the cell.
     double height;
     // Upward unit normal of the triangle.
     HullmapVec3 normal;
@@ -622,28 +632,28 @@ typedef struct {
     size_t triangle;
 } HullmapGround;
 
-// A support point.
+// Support point of a shape: a point of the shape with the maximum dot product with the query
+// direction.
 typedef struct {
-    // A point of the shape with the maximum dot product with the direction.
+    // The point, in the shape's local frame.
     HullmapVec3 point;
-    // On a hull, the index of the vertex.
+    // Identifies the point among the shape's features: on a hull, the vertex index. Shapes with
+    // vertices return equal points for equal features, and other features for other points: a
+    // manifold merges points on the same features. A shape without vertices returns 0.
     uint32_t feature;
-} HullmapSupport;
+} HullmapSupportPoint;
 
-// Whether two shapes share a point.
+// Answer of hullmap_intersects().
 typedef struct {
-    // True unless the shapes are certainly separated.
-    bool hit;
-    // The answer.
+    // Whether the shapes share a point.
     HullmapOverlap status;
-    // For a compound, the hull that decided the query; otherwise 0.
-    uint32_t hull_a;
-    // For a compound, the hull that decided the query; otherwise 0.
-    uint32_t hull_b;
-    // Number of steps.
+    // Number of steps of all phases together.
     uint32_t iterations;
     // Number of support calls. One call queries both shapes once.
     uint32_t support_calls;
+    // The parts of A and of B that decided the answer, by index: hulls of a pack, triangles of a
+    // mesh or a field. 0 for a shape without parts.
+    uint32_t parts[2];
 } HullmapIntersection;
 
 // Accuracy and effort of a distance, contact or signed distance. Start from
@@ -658,62 +668,85 @@ typedef struct {
     uint32_t max_iterations;
 } HullmapSettings;
 
-// Distance of two shapes. Points and normal are in A's frame.
+// Answer of hullmap_distance(): the distance of a pair and the witness points that realise it.
+//
+// Lengths are in the shapes' unit, points and directions in A's frame. The interval from `lower`
+// to `upper` always contains the distance.
 typedef struct {
-    // How the query ended. HULLMAP_STATUS_OVERLAPPING: the distance is 0.
+    // How the query ended, and thus how narrow the interval is.
     HullmapStatus status;
-    // For a compound, the hull that decided the query; otherwise 0.
-    uint32_t hull_a;
-    // For a compound, the hull that decided the query; otherwise 0.
-    uint32_t hull_b;
-    // Number of steps.
-    uint32_t iterations;
-    // Number of support calls.
-    uint32_t support_calls;
-    // Length of the segment from point_a to point_b; 0 if the shapes overlap or touch.
+    // Length of the segment from `point_a` to `point_b`; 0 if the shapes overlap or touch.
     double distance;
-    // Lower bound of the distance, at least 0.
+    // Lower bound of the distance, at least 0, with allowance for rounding error.
     double lower;
-    // Upper bound of the distance.
+    // Upper bound of the distance, with allowance for rounding error.
     double upper;
-    // Unit vector from A to B: the normal of the planes that prove the lower bound. Any unit
-    // vector if the shapes overlap.
+    // Unit vector from A to B: the normal of the planes that prove `lower`. It is the direction of
+    // the shortest segment within the tolerance.
+    //
+    // If the shapes touch, it is the normal of a plane between them. If they overlap, it is any
+    // unit vector.
     HullmapVec3 normal;
-    // The point of A closest to B; if they overlap, a common point.
+    // Witness point: the point of A closest to B. If the shapes overlap, a common point.
     HullmapVec3 point_a;
-    // The point of B closest to A; if they overlap, a common point.
+    // Witness point: the point of B closest to A. If the shapes overlap, a common point.
     HullmapVec3 point_b;
+    // Number of steps of the search.
+    uint32_t iterations;
+    // Number of support calls. One call queries both shapes once.
+    uint32_t support_calls;
+    // The parts of A and of B that decided the answer, by index: hulls of a pack, triangles of a
+    // mesh or a field. 0 for a shape without parts.
+    uint32_t parts[2];
+    // Features of a point of A and of a point of B in their support planes along the normal; the
+    // greatest number if they are not known. For the derivatives.
+    uint32_t features[2];
 } HullmapDistance;
 
-// Contact of two shapes. Points and normal are in A's frame. For compounds, it is the deepest
-// contact of two hulls.
+// Answer of hullmap_contact(): penetration depth, normal and witness points of a pair.
+//
+// Lengths are in the shapes' unit, points and directions in A's frame. If rounding error or a
+// limit stopped the search, `status` says so; the interval from `depth_lower` to `depth_upper`
+// always contains the depth.
 typedef struct {
-    // False only if the shapes are certainly separated.
+    // False only if a separating plane proves the shapes separated.
     bool hit;
-    // How the query ended. HULLMAP_STATUS_SEPARATED: no contact.
+    // Whether it is certain that no other normal has nearly the same depth. For the derivatives.
+    bool is_only_normal;
+    // How the query ended, and thus how narrow the interval is.
     HullmapStatus status;
-    // For a compound, the hull that decided the query; otherwise 0.
-    uint32_t hull_a;
-    // For a compound, the hull that decided the query; otherwise 0.
-    uint32_t hull_b;
-    // Number of steps.
-    uint32_t iterations;
-    // Number of support calls.
-    uint32_t support_calls;
-    // Penetration depth: moving B by it along the normal makes the shapes touch. 0 if they are
-    // separated or touch.
+    // Penetration depth: moving B by this length along `normal` makes the shapes touch. 0 if they
+    // are separated or touch.
     double depth;
-    // Lower bound of the depth, at least 0.
+    // Lower bound of the penetration depth, at least 0, with allowance for rounding error.
     double depth_lower;
-    // Upper bound of the depth.
+    // Upper bound of the penetration depth, with allowance for rounding error.
     double depth_upper;
-    // Unit vector from A to B. For separated convex shapes, a separating axis. For separated
-    // compounds, normal and points are 0.
+    // Unit vector from A to B. A separating axis if two convex shapes are separated. NaN, as the
+    // points, if parts are: they have no common one.
     HullmapVec3 normal;
-    // The point of A that is deepest in B; if they are separated, some point of A.
+    // Witness point: the point of A that is deepest in B. If the shapes are separated, some point
+    // of A; hullmap_distance() computes the closest one.
+    //
+    // Both witness points are in their shapes and on their support planes along `normal`, and
+    // `point_a` − `point_b` is `depth` times `normal`: all to within the width of the interval and
+    // rounding error. With the statuses HULLMAP_STATUS_ITERATION_LIMIT and HULLMAP_STATUS_STALLED,
+    // `point_a` − `point_b` may differ from that across the normal, and if the lower bound is 0,
+    // along it as well.
     HullmapVec3 point_a;
-    // The point of B that is deepest in A; if they are separated, some point of B.
+    // Witness point: the point of B that is deepest in A. If the shapes are separated, some point
+    // of B.
     HullmapVec3 point_b;
+    // Number of steps of all phases together.
+    uint32_t iterations;
+    // Number of support calls. One call queries both shapes once.
+    uint32_t support_calls;
+    // The parts of A and of B that decided the answer, by index: hulls of a pack, triangles of a
+    // mesh or a field. 0 for a shape without parts.
+    uint32_t parts[2];
+    // Features of a point of A and of a point of B in their support planes along the normal; the
+    // greatest number if they are not known. For the derivatives.
+    uint32_t features[2];
 } HullmapContact;
 
 // Limits and accuracy of a ray or a cast. Start from HULLMAP_CAST_SETTINGS_DEFAULT.
@@ -730,78 +763,119 @@ typedef struct {
     uint32_t max_iterations;
 } HullmapCastSettings;
 
-// When and where a moving shape B first meets A. Points and normal are in A's frame.
+// Answer of hullmap_cast(): when and where a moving shape first meets another.
+//
+// Points and directions are in A's frame. Times are in the unit that the velocity implies: at time
+// t, B has moved by t times its velocity.
 typedef struct {
-    // False only if the shapes certainly do not meet up to max_t.
+    // False only if it is certain that the shapes do not meet up to HullmapCastSettings.max_t.
     bool hit;
-    // How the query ended. HULLMAP_STATUS_OVERLAPPING: the shapes overlap at the start.
+    // How the query ended.
+    //
+    // - HULLMAP_STATUS_SEPARATED: certainly no hit. All times are infinite.
+    // - HULLMAP_STATUS_OVERLAPPING: the shapes overlap at the start. All times are 0, the normal is
+    //   opposite to the motion, and hullmap_contact() computes the depth. Without motion, the
+    //   normal is any unit vector.
+    // - HULLMAP_STATUS_EXACT, HULLMAP_STATUS_WITHIN: a hit in the interval.
+    // - HULLMAP_STATUS_TOUCHING: the shapes graze each other, and rounding error decides between
+    //   hit and miss. If they meet, they do so in the interval.
+    // - HULLMAP_STATUS_ITERATION_LIMIT, HULLMAP_STATUS_STALLED: a hit, in an interval that is wider
+    //   than the tolerance.
     HullmapStatus status;
-    // For a compound, the hull that decided the query; otherwise 0.
-    uint32_t hull_a;
-    // For a compound, the hull that decided the query; otherwise 0.
-    uint32_t hull_b;
-    // Number of steps.
-    uint32_t iterations;
-    // Number of support calls.
-    uint32_t support_calls;
-    // Time of impact, in the unit that the velocity implies; infinite if there is no hit.
+    // Time of impact; infinite if there is no hit.
     double t;
-    // Lower bound of the time, at least 0.
+    // Lower bound of the time of impact, at least 0, with allowance for rounding error. Until then
+    // the shapes certainly do not overlap.
     double t_lower;
-    // Upper bound of the time. It may exceed max_t if the interval does.
+    // Upper bound of the time of impact, with allowance for rounding error. It may exceed `max_t`
+    // if the interval does.
     double t_upper;
-    // Unit vector from A to B where they meet.
+    // Unit vector from A to B: normal of a plane that separates the shapes until `t_lower`. If
+    // there is no hit, normal of a plane that takes part in the proof.
     HullmapVec3 normal;
-    // Point of A at which the shapes meet; zero if there is no hit.
+    // Point of A at which the shapes meet. If they overlap at the start, a common point. Zero if
+    // there is no hit.
     HullmapVec3 point_a;
-    // Point of B at which the shapes meet, at time t.
+    // Point of B at which the shapes meet, at time `t`.
     HullmapVec3 point_b;
+    // Number of steps of the search.
+    uint32_t iterations;
+    // Number of support calls. One call queries both shapes once.
+    uint32_t support_calls;
+    // The parts of A and of B that decided the answer, by index: hulls of a pack, triangles of a
+    // mesh or a field. 0 for a shape without parts.
+    uint32_t parts[2];
 } HullmapImpact;
 
-// Where a ray first enters a shape. Point and normal are in the shape's frame.
+// Answer of hullmap_ray(): where a ray first enters a shape.
+//
+// Points and directions are in the shape's frame. t is a factor of the ray's direction, which
+// need not be of unit length.
 typedef struct {
-    // False only if the ray certainly misses the shape up to max_t.
+    // False only if it is certain that the ray misses the shape up to HullmapCastSettings.max_t.
     bool hit;
-    // How the query ended. HULLMAP_STATUS_OVERLAPPING: the origin is inside the shape.
+    // How the query ended.
+    //
+    // - HULLMAP_STATUS_SEPARATED: certainly no hit. t and its interval are infinite.
+    // - HULLMAP_STATUS_OVERLAPPING: the origin is inside the shape. t is 0, the point is the
+    //   origin, and the normal is opposite to the direction. If the direction is zero, the normal
+    //   is any unit vector.
+    // - HULLMAP_STATUS_EXACT, HULLMAP_STATUS_WITHIN: a hit in the interval.
+    // - HULLMAP_STATUS_TOUCHING: the ray grazes the shape, and rounding error decides between hit
+    //   and miss. If it hits, it does so in the interval. Rays at hulls, boxes and triangles never
+    //   end so: they are decided exactly.
+    // - HULLMAP_STATUS_ITERATION_LIMIT, HULLMAP_STATUS_STALLED: a hit, in an interval that is wider
+    //   than the tolerance.
     HullmapStatus status;
-    // For a compound, the hull that is hit; otherwise 0.
-    uint32_t hull;
-    // Number of steps.
+    // The ray enters the shape at `origin + t direction`; infinite if there is no hit.
+    double t;
+    // Lower bound of t, at least 0, with allowance for rounding error.
+    double t_lower;
+    // Upper bound of t, with allowance for rounding error. It may exceed `max_t` if the interval
+    // does.
+    double t_upper;
+    // The point at t. If the ray grazes the shape, the point need not be on the shape. The origin
+    // if there is no hit.
+    HullmapVec3 point;
+    // Unit outward normal of a support plane of the shape, which the ray crosses at `t_lower`. On
+    // a polytope, it is the normal of the face at the point. If there is no hit, normal of a plane
+    // that takes part in the proof.
+    HullmapVec3 normal;
+    // Number of steps of the search.
     uint32_t iterations;
     // Number of support calls.
     uint32_t support_calls;
-    // The ray enters at origin + t direction; infinite if there is no hit.
-    double t;
-    // Lower bound of t, at least 0.
-    double t_lower;
-    // Upper bound of t. It may exceed max_t if the interval does.
-    double t_upper;
-    // The point at t; the origin if there is no hit.
-    HullmapVec3 point;
-    // Unit outward normal where the ray enters.
-    HullmapVec3 normal;
+    // Index of the part that decided the answer: the hull of a pack, the triangle of a mesh or a
+    // field. 0 for a shape without parts.
+    uint32_t part;
 } HullmapRayHit;
 
-// Signed distance of a point from the surface of a shape, in the shape's frame.
+// Answer of hullmap_signed_distance().
+//
+// Lengths are in the shape's unit, points and directions in its frame.
 typedef struct {
-    // How the query ended.
+    // How the query ended. HULLMAP_STATUS_SEPARATED and HULLMAP_STATUS_OVERLAPPING do not occur:
+    // the sign of the distance gives that information.
     HullmapStatus status;
-    // For a compound, the hull that decided the query; otherwise 0.
-    uint32_t hull;
-    // Number of steps.
+    // Distance from the surface: positive outside, negative inside.
+    double distance;
+    // Lower bound of the distance, with allowance for rounding error. Positive only if the point
+    // is certainly outside.
+    double lower;
+    // Upper bound of the distance, with allowance for rounding error. Negative only if the point
+    // is certainly inside.
+    double upper;
+    // The point of the surface that is closest to the query point.
+    HullmapVec3 point;
+    // Unit outward normal of the surface at `point`: the gradient of the distance.
+    HullmapVec3 normal;
+    // Number of steps of all phases together.
     uint32_t iterations;
     // Number of support calls.
     uint32_t support_calls;
-    // Distance from the surface: positive outside, negative inside.
-    double distance;
-    // Lower bound of the distance.
-    double lower;
-    // Upper bound of the distance.
-    double upper;
-    // The point of the surface closest to the query point.
-    HullmapVec3 point;
-    // Unit outward normal of the surface at that point.
-    HullmapVec3 normal;
+    // Index of the part that decided the answer: the hull of a pack, the triangle of a mesh or a
+    // field. 0 for a shape without parts.
+    uint32_t part;
 } HullmapSignedDistance;
 
 // A rigid motion of a shape over the times 0 to 1, in a frame that is common to both shapes.
@@ -837,48 +911,72 @@ typedef struct {
     uint32_t max_iterations;
 } HullmapMotionSettings;
 
-// When and where two moving shapes first meet. Points and normal are in the common frame.
+// Answer of hullmap_cast_motion(): when and where two moving shapes first meet.
+//
+// Points and directions are in the common frame of the motions.
 typedef struct {
-    // False only if the shapes certainly do not meet until time 1.
+    // False only if it is certain that the shapes do not meet until time 1.
     bool hit;
-    // How the query ended. HULLMAP_STATUS_OVERLAPPING: the shapes meet at the start.
+    // How the query ended.
+    //
+    // - HULLMAP_STATUS_SEPARATED: certainly no hit. All times are infinite.
+    // - HULLMAP_STATUS_OVERLAPPING: the shapes meet at the start, in their poses as computed there.
+    //   All times are 0.
+    // - HULLMAP_STATUS_WITHIN: a hit in the interval. At `t_lower` the shapes are within the
+    //   tolerance of the target distance.
+    // - HULLMAP_STATUS_TOUCHING: the shapes come within rounding error of each other, and may graze
+    //   without meeting. If they meet, they do so in the interval.
+    // - HULLMAP_STATUS_ITERATION_LIMIT, HULLMAP_STATUS_STALLED: it is open whether they meet. If
+    //   they do, it is in the interval.
     HullmapStatus status;
-    // For a compound, the hull that meets first; otherwise 0.
-    uint32_t hull_a;
-    // For a compound, the hull that meets first; otherwise 0.
-    uint32_t hull_b;
+    // Time of impact, between 0 and 1; infinite if there is no hit.
+    double t;
+    // Lower bound of the time of impact, with allowance for rounding error. Until then the shapes
+    // are certainly farther apart than the target distance.
+    double t_lower;
+    // Upper bound: at this time the shapes are certainly within the target distance. Infinite if
+    // no such time was found.
+    double t_upper;
+    // Unit vector from A to B at `t_lower`: normal of a plane that separates the shapes then.
+    HullmapVec3 normal;
+    // Point of A closest to B at `t_lower`.
+    HullmapVec3 point_a;
+    // Point of B closest to A at `t_lower`.
+    HullmapVec3 point_b;
     // Number of distance and contact queries.
     uint32_t iterations;
-    // Number of support calls.
+    // Number of support calls. One call queries both shapes once.
     uint32_t support_calls;
-    // Time of impact; infinite if there is no hit.
-    double t;
-    // Until this time, the shapes certainly are farther apart than the target distance.
-    double t_lower;
-    // At this time, the shapes certainly are within the target distance. Infinite if no such time
-    // was found.
-    double t_upper;
-    // Unit vector from A to B at t_lower.
-    HullmapVec3 normal;
-    // Point of A closest to B at t_lower.
-    HullmapVec3 point_a;
-    // Point of B closest to A at t_lower.
-    HullmapVec3 point_b;
+    // The parts of A and of B that decided the answer, by index: hulls of a pack, triangles of a
+    // mesh or a field. 0 for a shape without parts.
+    uint32_t parts[2];
 } HullmapTimeOfImpact;
 
-// Derivatives of a length or a time by the poses of both shapes.
+// Derivative of a length or a time by the pose of a shape: how much it changes when the shape
+// moves by a small twist.
 //
-// A twist moves a shape by a vector and turns it by a rotation vector about the origin of its own
-// frame; both are in the frame of the answer. Numbers 0 to 2 are by the vector, 3 to 5 by the
-// rotation vector. Unless the differentiability is HULLMAP_DIFFERENTIABILITY_UNIQUE, the numbers
-// are a direction for an optimiser, and no derivative.
+// A twist moves the shape by `v` and turns it by the rotation vector `w` about the origin of its
+// own frame. Both are in the frame of the answer, so the turn is applied on the left of the
+// shape's rotation. The change is `linear · v + angular · w`, to first order.
+typedef struct {
+    // By the translation: per unit of length.
+    HullmapVec3 linear;
+    // By the rotation about the origin of the shape's frame: per radian.
+    HullmapVec3 angular;
+} HullmapPoseDerivative;
+
+// Derivatives of a length or a time by the poses of A and of B, in the frame of the answer.
+//
+// If the status is not HULLMAP_DIFFERENTIABILITY_UNIQUE, they belong to the normal and the points
+// of the answer, which are some of several: a direction for an optimiser, and no derivative. They
+// are 0 if there is nothing to differentiate.
 typedef struct {
     // Whether these are derivatives.
-    HullmapDifferentiability differentiability;
-    // By a twist of A.
-    double by_a[6];
-    // By a twist of B.
-    double by_b[6];
+    HullmapDifferentiability status;
+    // By the pose of A.
+    HullmapPoseDerivative by_a;
+    // By the pose of B, or of the point or the ray.
+    HullmapPoseDerivative by_b;
 } HullmapDerivatives;
 
 // What hullmap_clear() proves. Start from HULLMAP_CLEAR_SETTINGS_DEFAULT.
@@ -896,52 +994,62 @@ typedef struct {
     uint32_t max_iterations;
 } HullmapClearSettings;
 
-// Whether a motion is free, and with which clearance.
+// Answer of hullmap_clear(): whether a motion is free, and with which clearance.
 typedef struct {
     // Whether the motion is free.
     HullmapVerdict verdict;
-    // How the search ended. HULLMAP_STATUS_WITHIN: a hit, or a free motion with the requested
-    // clearance. HULLMAP_STATUS_OVERLAPPING: a hit at the start. Otherwise the limit of queries or
-    // rounding error stopped the search: the motion is open, or its clearance is smaller.
+    // How the search ended.
+    //
+    // - HULLMAP_STATUS_WITHIN: a hit, or a free motion whose clearance is at least the
+    //   HullmapClearSettings.share of the nearest distance.
+    // - HULLMAP_STATUS_OVERLAPPING: a hit at the start.
+    // - HULLMAP_STATUS_ITERATION_LIMIT: the limit of queries was reached. The motion is open, or
+    //   free with a smaller clearance.
+    // - HULLMAP_STATUS_TOUCHING, HULLMAP_STATUS_STALLED: the same, but rounding error stopped the
+    //   search.
     HullmapStatus status;
-    // For a compound that hits, the hull that meets first; otherwise 0.
-    uint32_t hull_a;
-    // For a compound that hits, the hull that meets first; otherwise 0.
-    uint32_t hull_b;
-    // Number of distance and contact queries.
-    uint32_t iterations;
-    // Number of support calls.
-    uint32_t support_calls;
-    // Lower bound of the least distance during a free motion; 0 if it is not known to be free.
+    // Lower bound of the least distance during a free motion, with allowance for rounding error. 0
+    // if it is not known to be free.
     double clearance;
-    // Upper bound of the least distance: the shapes are this near at some time that was tried.
+    // Upper bound of the least distance: the bodies are this near at some time that was tried. It
+    // is infinite if no parts were near enough to be tried.
     double nearest;
-    // Until this time, the shapes certainly are farther apart than the margin. Infinite if they
+    // Until this time, the bodies are certainly farther apart than the margin. Infinite if they
     // are at all times.
     double t_lower;
-    // At this time, the shapes certainly are within the margin. Infinite if no such time is known.
+    // At this time, the bodies are certainly within the margin. Infinite if no such time is known.
     double t_upper;
+    // Number of distance and contact queries.
+    uint32_t iterations;
+    // Number of support calls. One call queries both shapes once.
+    uint32_t support_calls;
+    // The parts of A and of B that meet first if the motion hits, by index: hulls of a pack,
+    // triangles of a mesh or a field. 0 otherwise, and for a shape without parts.
+    uint32_t parts[2];
 } HullmapClearance;
 
-// Derivatives of the normal and the witness points of an answer by the poses of both shapes.
-//
-// Rows are the coordinates x, y, z. Columns are the numbers of a twist, as in HullmapDerivatives.
-// All numbers are 0 unless the differentiability is HULLMAP_DIFFERENTIABILITY_UNIQUE.
+// Derivatives of the normal and the witness points by one pose: a row for each coordinate, and in
+// it a column for each number of the twist, as in HullmapPoseDerivative.
 typedef struct {
-    // Whether these are derivatives.
-    HullmapDifferentiability differentiability;
-    // Of the normal, by a twist of A.
-    double normal_by_a[3][6];
-    // Of the normal, by a twist of B.
-    double normal_by_b[3][6];
-    // Of the point of A, by a twist of A.
-    double point_a_by_a[3][6];
-    // Of the point of A, by a twist of B.
-    double point_a_by_b[3][6];
-    // Of the point of B, by a twist of A.
-    double point_b_by_a[3][6];
-    // Of the point of B, by a twist of B.
-    double point_b_by_b[3][6];
+    // Of the normal: per unit of length, and per radian.
+    double normal[3][6];
+    // Of the point of A: lengths per unit of length, and per radian.
+    double point_a[3][6];
+    // Of the point of B.
+    double point_b[3][6];
+} HullmapWitnessJacobian;
+
+// Derivatives of the normal and the witness points of an answer, in its frame, by the poses of A
+// and of B.
+//
+// All numbers are 0 unless the status is HULLMAP_DIFFERENTIABILITY_UNIQUE.
+typedef struct {
+    // Whether these are derivatives, or why there are none.
+    HullmapDifferentiability status;
+    // By the pose of A.
+    HullmapWitnessJacobian by_a;
+    // By the pose of B, or of the point.
+    HullmapWitnessJacobian by_b;
 } HullmapWitnessDerivatives;
 
 // Settings of a contact manifold. Start from HULLMAP_MANIFOLD_SETTINGS_DEFAULT.
@@ -990,10 +1098,8 @@ typedef struct {
     uint64_t user_data;
     // Number of earlier updates in which the point was present.
     uint32_t age;
-    // For a compound, the hull of A; otherwise 0.
-    uint32_t hull_a;
-    // For a compound, the hull of B; otherwise 0.
-    uint32_t hull_b;
+    // The parts of A and of B that touch, as in HullmapContact.
+    uint32_t parts[2];
     // The feature of A.
     HullmapFeature feature_a;
     // The feature of B.
@@ -1031,6 +1137,8 @@ typedef struct {
     // The pose of B in A's frame.
     HullmapPose b_in_a;
 } HullmapPair;
+
+
 
 #ifdef __cplusplus
 extern "C" {
@@ -1273,7 +1381,7 @@ void hullmap_cache_free(HullmapCache *cache);
 HullmapResult hullmap_support(const HullmapShape *shape,
                               const HullmapVec3 *directions,
                               size_t count,
-                              HullmapSupport *out);
+                              HullmapSupportPoint *out);
 
 // The box around a shape at a pose, in the frame that the pose maps to. It certainly contains the
 // shape. Not for half-spaces.

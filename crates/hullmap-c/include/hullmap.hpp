@@ -26,7 +26,7 @@ using Bounds = HullmapBounds;
 using Settings = HullmapSettings;
 using CastSettings = HullmapCastSettings;
 using ManifoldSettings = HullmapManifoldSettings;
-using Support = HullmapSupport;
+using SupportPoint = HullmapSupportPoint;
 using Intersection = HullmapIntersection;
 using Distance = HullmapDistance;
 using Contact = HullmapContact;
@@ -267,8 +267,8 @@ public:
         return make([&](auto out) { return hullmap_shape_half_space(normal, offset, out); });
     }
 
-    Support support(Vec3 direction) const {
-        Support found{};
+    SupportPoint support(Vec3 direction) const {
+        SupportPoint found{};
         check(hullmap_support(get(), &direction, 1, &found));
         return found;
     }

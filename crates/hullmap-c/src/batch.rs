@@ -7,77 +7,46 @@ use std::mem::MaybeUninit;
 use std::ops::DerefMut;
 use std::sync::MutexGuard;
 
-use hullmap::{ManifoldSettings, Pose, Settings};
+use hullmap::ManifoldSettings;
 use rayon::prelude::*;
 
 use crate::failure::Fallible;
-use crate::handles::{Cache, Empty, Manifold, Points, Shape};
-use crate::{query, types};
+use crate::handles::{Cache, Empty, Manifold, Points};
+use crate::query::{self, CheckedPair};
+use crate::types;
 
 /// Minimum number of pairs per task: about 20 µs of work, ten times the cost of handing a task to
 /// another thread. The same as in `hullmap::batch`.
 const MIN_PAIRS: usize = 32;
 
-/// A pair whose pointers and pose have been checked.
-pub(crate) struct CheckedPair<'p> {
-    pub(crate) a: &'p Shape,
-    pub(crate) b: &'p Shape,
-    pub(crate) b_in_a: Pose,
-}
-
 /// Solves each pair, with its cache if there are caches, and writes the answers.
-fn each<T: Send>(
+pub(crate) fn each<T: Send>(
     pairs: &[CheckedPair<'_>],
     caches: Option<&[&Cache]>,
     out: &mut [MaybeUninit<T>],
-    solve: impl Fn(&CheckedPair<'_>, &mut hullmap::Cache) -> Fallible<T> + Sync,
+    solve: impl Fn(&CheckedPair<'_>, &mut hullmap::Cache) -> T + Sync,
 ) -> Fallible<()> {
     let jobs = pairs.par_iter().zip(out).with_min_len(MIN_PAIRS);
     let Some(caches) = caches else {
         // A task reuses one empty cache.
-        return jobs.try_for_each_init(hullmap::Cache::new, |memory, (pair, out)| {
+        jobs.for_each_init(hullmap::Cache::new, |memory, (pair, out)| {
             memory.empty();
-            out.write(solve(pair, memory)?);
-            Ok(())
+            out.write(solve(pair, memory));
         });
+        return Ok(());
     };
     let mut guards = Vec::with_capacity(caches.len());
     for (index, cache) in caches.iter().enumerate() {
         guards.push(cache.0.take(format_args!("caches[{index}]"))?);
     }
     let memories: Vec<&mut hullmap::Cache> = guards.iter_mut().map(MutexGuard::deref_mut).collect();
-    jobs.zip(memories).try_for_each(|((pair, out), memory)| {
-        out.write(solve(pair, memory)?);
-        Ok(())
-    })
+    jobs.zip(memories).for_each(|((pair, out), memory)| {
+        out.write(solve(pair, memory));
+    });
+    Ok(())
 }
 
-pub(crate) fn intersects(
-    pairs: &[CheckedPair<'_>],
-    caches: Option<&[&Cache]>,
-    out: &mut [MaybeUninit<types::Intersection>],
-) -> Fallible<()> {
-    each(pairs, caches, out, |pair, memory| query::intersects(pair.a, pair.b, pair.b_in_a, memory))
-}
-
-pub(crate) fn distance(
-    pairs: &[CheckedPair<'_>],
-    settings: &Settings,
-    caches: Option<&[&Cache]>,
-    out: &mut [MaybeUninit<types::Distance>],
-) -> Fallible<()> {
-    each(pairs, caches, out, |pair, memory| query::distance(pair.a, pair.b, pair.b_in_a, settings, memory))
-}
-
-pub(crate) fn contact(
-    pairs: &[CheckedPair<'_>],
-    settings: &Settings,
-    caches: Option<&[&Cache]>,
-    out: &mut [MaybeUninit<types::Contact>],
-) -> Fallible<()> {
-    each(pairs, caches, out, |pair, memory| query::contact(pair.a, pair.b, pair.b_in_a, settings, memory))
-}
-
+/// Updates the manifold of each pair, and writes the points.
 pub(crate) fn manifolds(
     pairs: &[CheckedPair<'_>],
     settings: &ManifoldSettings,
@@ -90,7 +59,7 @@ pub(crate) fn manifolds(
     }
     let mut points: Vec<&mut Points> = guards.iter_mut().map(MutexGuard::deref_mut).collect();
     let jobs = pairs.par_iter().zip(&mut points).with_min_len(MIN_PAIRS);
-    jobs.try_for_each(|(pair, points)| query::update(pair.a, pair.b, pair.b_in_a, settings, points))?;
+    jobs.for_each(|(pair, points)| query::update(pair, settings, points));
     // The answers hold pointers, which threads do not pass on.
     for (points, out) in points.into_iter().zip(out) {
         out.write(points.answer());

@@ -239,21 +239,20 @@ impl Points {
 }
 
 fn show(manifold: &hullmap::Manifold, hulls: [usize; 2], shown: &mut Vec<ManifoldPoint>) {
-    let [hull_a, hull_b] = hulls.map(|hull| hull as u32);
+    let parts = hulls.map(|hull| hull as u32);
     shown.extend(manifold.points().iter().map(|point| ManifoldPoint {
-        normal: manifold.normal().into(),
-        point_a: point.point_a.into(),
-        point_b: point.point_b.into(),
-        local_b: point.local_b.into(),
+        normal: manifold.normal(),
+        point_a: point.point_a,
+        point_b: point.point_b,
+        local_b: point.local_b,
         depth: point.depth,
         impulse: point.impulse,
         user_data: point.user_data,
         age: point.age,
-        hull_a,
-        hull_b,
+        parts,
         feature_a: point.id.on_a().into(),
         feature_b: point.id.on_b().into(),
-        status: manifold.status().into(),
+        status: manifold.status(),
     }));
 }
 

@@ -12,7 +12,6 @@
 //! | `failure` | error codes, and the message of the last error |
 //! | `handles` | packs, shapes, caches and manifolds behind opaque pointers |
 //! | `query` | a query of two shapes of any kind |
-//! | `motion` | shapes that move and turn, and derivatives |
 //! | `batch` | many pairs on all cores |
 #![deny(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
@@ -23,7 +22,6 @@ mod border;
 pub mod exports;
 mod failure;
 pub mod handles;
-mod motion;
 mod query;
 #[cfg(test)]
 mod tests;

@@ -6,11 +6,18 @@ use std::mem::MaybeUninit;
 
 use hullmap::compound::SharedSheet;
 use hullmap::glam::DVec3;
-use hullmap::{Cache, CastSettings, ManifoldSettings, Motion, Pose, Settings, SharedGeometry};
+use hullmap::{Cache, ManifoldSettings, Pose, Settings, SharedGeometry};
 
 use crate::failure::{Failure, Fallible};
 use crate::handles::{Points, Shape};
 use crate::types;
+
+/// A pair whose pointers and pose have been checked, and that has queries.
+pub(crate) struct CheckedPair<'p> {
+    pub(crate) a: &'p Shape,
+    pub(crate) b: &'p Shape,
+    pub(crate) b_in_a: Pose,
+}
 
 /// Checks that two shapes have queries at all.
 #[inline(always)]
@@ -18,63 +25,9 @@ pub(crate) fn check_pair(a: &Shape, b: &Shape) -> Fallible<()> {
     a.0.check_pair(&b.0).map_err(Failure::unsupported)
 }
 
-/// Whether two shapes share a point.
-#[inline(always)]
-pub(crate) fn intersects(a: &Shape, b: &Shape, b_in_a: Pose, cache: &mut Cache) -> Fallible<types::Intersection> {
-    check_pair(a, b)?;
-    Ok(hullmap::intersects(&a.0, &b.0, b_in_a, cache).into())
-}
-
-/// Distance of two shapes.
-#[inline(always)]
-pub(crate) fn distance(
-    a: &Shape,
-    b: &Shape,
-    b_in_a: Pose,
-    settings: &Settings,
-    cache: &mut Cache,
-) -> Fallible<types::Distance> {
-    check_pair(a, b)?;
-    Ok(hullmap::distance(&a.0, &b.0, b_in_a, settings, cache).into())
-}
-
-/// Contact of two shapes.
-#[inline(always)]
-pub(crate) fn contact(
-    a: &Shape,
-    b: &Shape,
-    b_in_a: Pose,
-    settings: &Settings,
-    cache: &mut Cache,
-) -> Fallible<types::Contact> {
-    check_pair(a, b)?;
-    Ok(hullmap::contact(&a.0, &b.0, b_in_a, settings, cache).into())
-}
-
-/// When the moving shape B first meets A.
-pub(crate) fn cast(
-    a: &Shape,
-    b: &Shape,
-    b_in_a: Pose,
-    motion: Motion,
-    settings: &CastSettings,
-    cache: &mut Cache,
-) -> Fallible<types::Impact> {
-    check_pair(a, b)?;
-    Ok(hullmap::cast(&a.0, &b.0, b_in_a, motion, settings, cache).into())
-}
-
 /// Updates the points of a manifold.
-pub(crate) fn update(
-    a: &Shape,
-    b: &Shape,
-    b_in_a: Pose,
-    settings: &ManifoldSettings,
-    points: &mut Points,
-) -> Fallible<()> {
-    check_pair(a, b)?;
-    points.update(|manifolds| manifolds.update(&a.0, &b.0, b_in_a, settings));
-    Ok(())
+pub(crate) fn update(pair: &CheckedPair<'_>, settings: &ManifoldSettings, points: &mut Points) {
+    points.update(|manifolds| manifolds.update(&pair.a.0, &pair.b.0, pair.b_in_a, settings));
 }
 
 #[cold]
@@ -113,13 +66,7 @@ pub(crate) fn bounds(shape: &Shape, pose: Pose) -> Fallible<types::Bounds> {
         return Err(unbounded("bounds"));
     }
     // Only a pack that was opened without checks has no hulls.
-    let found = shape.0.bounds_under(pose).ok_or_else(|| Failure::unsupported("the compound has no hulls"))?;
-    Ok(types::Bounds { min: found.min.into(), max: found.max.into() })
-}
-
-/// Where a ray enters a shape.
-pub(crate) fn ray(shape: &Shape, ray: &hullmap::Ray, settings: &CastSettings) -> types::RayHit {
-    hullmap::ray(&shape.0, ray, settings).into()
+    shape.0.bounds_under(pose).ok_or_else(|| Failure::unsupported("the compound has no hulls"))
 }
 
 /// Signed distance of a point.
@@ -133,21 +80,21 @@ pub(crate) fn signed_distance(
         return Err(not_for_sheets(sheet, "signed distance"));
     }
     let found = hullmap::signed_distance(&shape.0, point, settings, cache);
-    Ok(found.map_err(|error| Failure::new(types::Result::InvalidArgument, error))?.into())
+    found.map_err(|error| Failure::new(types::Result::InvalidArgument, error))
 }
 
 /// Support points in many directions.
 pub(crate) fn support(
     shape: &Shape,
-    directions: &[types::Vec3],
-    out: &mut [MaybeUninit<types::Support>],
+    directions: &[types::DVec3],
+    out: &mut [MaybeUninit<types::SupportPoint>],
 ) -> Fallible<()> {
-    fn each<S>(shape: &S, directions: &[types::Vec3], out: &mut [MaybeUninit<types::Support>])
+    fn each<S>(shape: &S, directions: &[types::DVec3], out: &mut [MaybeUninit<types::SupportPoint>])
     where
         S: hullmap::SupportMap + ?Sized,
     {
         for (direction, out) in directions.iter().zip(out) {
-            out.write(shape.support_point((*direction).into()).into());
+            out.write(shape.support_point(*direction));
         }
     }
     match &shape.0 {

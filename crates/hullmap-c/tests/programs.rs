@@ -110,8 +110,6 @@ fn structs_have_one_layout() {
         };
     }
     layout! {
-        Vec3 { x y z }
-        Quat { x y z w }
         Pose { translation rotation }
         Bounds { min max }
         Text { data length }
@@ -131,39 +129,35 @@ fn structs_have_one_layout() {
         Settings { struct_size tolerance max_iterations }
         CastSettings { struct_size max_t tolerance max_iterations }
         ManifoldSettings { struct_size tolerance max_iterations prediction_kind prediction }
-        Support { point feature }
-        Intersection { hit status hull_a hull_b iterations support_calls }
-        Distance {
-            status hull_a hull_b iterations support_calls distance lower upper normal point_a point_b
-        }
+        SupportPoint { point feature }
+        Intersection { status iterations support_calls parts }
+        Distance { status distance lower upper normal point_a point_b iterations support_calls parts features }
         Contact {
-            hit status hull_a hull_b iterations support_calls depth depth_lower depth_upper normal point_a point_b
+            hit is_only_normal status depth depth_lower depth_upper normal point_a point_b iterations support_calls
+            parts features
         }
-        RayHit { hit status iterations support_calls t t_lower t_upper point normal }
-        Impact { hit status iterations support_calls t t_lower t_upper normal point_a point_b }
-        SignedDistance { status hull iterations support_calls distance lower upper point normal }
+        RayHit { hit status t t_lower t_upper point normal iterations support_calls part }
+        Impact { hit status t t_lower t_upper normal point_a point_b iterations support_calls parts }
+        SignedDistance { status distance lower upper point normal iterations support_calls part }
         Feature { kind vertices }
         ManifoldPoint {
-            normal point_a point_b local_b depth impulse user_data age hull_a hull_b feature_a feature_b
+            normal point_a point_b local_b depth impulse user_data age parts feature_a feature_b status
         }
         ManifoldPoints { points count touching dropped pairs iterations support_calls }
+        Ground { height normal triangle }
+        Motion { kind start end linear angular center }
+        MotionSettings { struct_size target_distance tolerance max_iterations }
+        ClearSettings { struct_size margin tolerance share max_iterations }
+        TimeOfImpact { hit status t t_lower t_upper normal point_a point_b iterations support_calls parts }
+        Clearance { verdict status clearance nearest t_lower t_upper iterations support_calls parts }
+        Derivatives { status by_a by_b }
+        WitnessDerivatives { status by_a by_b }
     }
+    layout!(types::DVec3, Vec3 { x y z });
+    layout!(types::DQuat, Quat { x y z w });
+    layout!(hullmap::PoseDerivative, PoseDerivative { linear angular });
+    layout!(hullmap::WitnessJacobian, WitnessJacobian { normal point_a point_b });
     layout!(ShapePair, Pair { a b b_in_a });
-    layout!(types::FieldGround, Ground { height normal triangle });
-    layout!(types::Motion, Motion { kind start end linear angular center });
-    layout!(types::MotionSettings, MotionSettings { struct_size target_distance tolerance max_iterations });
-    layout!(types::ClearSettings, ClearSettings { struct_size margin tolerance share max_iterations });
-    layout!(types::TimeOfImpact, TimeOfImpact {
-        hit status hull_a hull_b iterations support_calls t t_lower t_upper normal point_a point_b
-    });
-    layout!(types::Clearance, Clearance {
-        verdict status hull_a hull_b iterations support_calls clearance nearest t_lower t_upper
-    });
-    layout!(types::Derivatives, Derivatives { differentiability by_a by_b });
-    layout!(
-        types::WitnessDerivatives,
-        WitnessDerivatives { differentiability normal_by_a normal_by_b point_a_by_a point_a_by_b point_b_by_a point_b_by_b }
-    );
     for (name, value) in [
         ("RESULT_PANIC", types::Result::Panic as usize),
         ("STATUS_STALLED", types::Status::Stalled as usize),
@@ -174,6 +168,8 @@ fn structs_have_one_layout() {
         ("MOTION_KIND_SCREW", types::MotionKind::Screw as usize),
         ("VERDICT_OPEN", types::Verdict::Open as usize),
         ("DIFFERENTIABILITY_INACCURATE", types::Differentiability::Inaccurate as usize),
+        ("EDGE_CLASS_REVERSED", types::EdgeClass::Reversed as usize),
+        ("MASS_SOURCE_MESH", types::MassSource::Mesh as usize),
     ] {
         expect(format!("HULLMAP_{name}"), value);
     }

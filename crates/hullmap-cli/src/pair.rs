@@ -4,19 +4,23 @@ use glam::DVec3;
 use hullmap::geometry::{Geometry, Visitor};
 use hullmap::{Cache, Contact, Distance, Hull, Intersection, Overlap, Pack, Pose, Settings, Status, TriangleMesh};
 
+use serde::Serialize;
+
 use crate::args::Mode;
 
-/// Answer of a query. Points and normal are in A's frame; fields that the mode does not compute are
-/// `None`.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// Answer of a query, by the names of JSON. Points and normal are in A's frame; fields that the
+/// mode does not compute are `None`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct PairAnswer {
     /// Whether the two overlap or touch; `None` if undecided.
     pub hit: Option<bool>,
     pub status: &'static str,
-    /// Penetration depth, with lower and upper bound.
-    pub depth: Option<[f64; 3]>,
-    /// Distance, with lower and upper bound.
-    pub distance: Option<[f64; 3]>,
+    pub depth: Option<f64>,
+    pub depth_lower: Option<f64>,
+    pub depth_upper: Option<f64>,
+    pub distance: Option<f64>,
+    pub distance_lower: Option<f64>,
+    pub distance_upper: Option<f64>,
     pub normal: Option<[f64; 3]>,
     pub point_a: Option<[f64; 3]>,
     pub point_b: Option<[f64; 3]>,
@@ -24,6 +28,7 @@ pub struct PairAnswer {
     /// Pairs of support queries, one on each of the two hulls.
     pub support_calls: u32,
     /// Indices of the hulls or triangles that decide the answer.
+    #[serde(skip)]
     pub parts: Option<[u32; 2]>,
 }
 
@@ -109,7 +114,9 @@ fn of_distance(found: &Distance) -> PairAnswer {
     PairAnswer {
         hit,
         status: found.status.as_str(),
-        distance: Some([found.distance, found.lower, found.upper]),
+        distance: Some(found.distance),
+        distance_lower: Some(found.lower),
+        distance_upper: Some(found.upper),
         normal: Some(found.normal.to_array()),
         point_a: Some(found.point_a.to_array()),
         point_b: Some(found.point_b.to_array()),
@@ -126,7 +133,9 @@ fn of_contact(found: &Contact) -> PairAnswer {
     PairAnswer {
         hit: Some(found.hit),
         status: found.status.as_str(),
-        depth: Some([found.depth, found.depth_lower, found.depth_upper]),
+        depth: Some(found.depth),
+        depth_lower: Some(found.depth_lower),
+        depth_upper: Some(found.depth_upper),
         // Separated parts have no common separating axis.
         normal: Some(found.normal.to_array()).filter(|_| !found.normal.is_nan()),
         point_a: if_hit(found.point_a),

@@ -273,9 +273,9 @@ impl Robot {
             }
         };
         if let BodyOrObstacle::Body(a) = pair.a {
-            add(a, found.of_a);
+            add(a, found.by_a);
         }
-        add(pair.b, found.of_b);
+        add(pair.b, found.by_b);
         self.kinematics.by_variables(&memory.at, &mut by_joints, gradient);
     }
 }

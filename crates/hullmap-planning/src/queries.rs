@@ -135,7 +135,7 @@ impl Pairing<'_> {
             let found = on_face(found.normal, found.point_b - found.normal, b, b_in_a, |a, b, pose| {
                 below.derivatives(a, b, pose)
             })?;
-            return Some(Derivatives { of_a: negative(found.of_a), of_b: negative(found.of_b), ..found });
+            return Some(Derivatives { by_a: negative(found.by_a), by_b: negative(found.by_b), ..found });
         }
         let cache = caches.of(self);
         self.a.with_part(found.parts[0], |a| found.derivatives(a, b, b_in_a, settings, cache))

@@ -9,32 +9,25 @@ use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::columns::{Columns, columns, put, put_all, put_fields, put_vector};
+use crate::columns::{Columns, Kind, Row, Rows, Spec};
 use crate::error::{ArrayError, PoseError};
 use crate::pairs::Queried;
 use crate::pose::PoseArrays;
-use crate::solve::{Pair, code};
+use crate::solve::Pair;
 use crate::task::{Cut, Task, fill};
 use crate::threads::Threads;
 
 /// Maximum of `max_pairs`: memory of about 300 MB for each thread.
 const MAX_PAIRS: usize = 1 << 16;
 
-columns!(
-    /// Answers of `manifold`: the contact, and up to four points.
-    Manifolds, ManifoldRows {
-        count: u8 = 1, normal: f64 = 3, point_a: f64 = 12, point_b: f64 = 12, local_b: f64 = 12, depth: f64 = 4,
-        hit: bool = 1, status: u8 = 1,
-    }
-);
-
-columns!(
-    /// Answers of `manifolds`: `max_pairs` rows for each pose. The counts are in the first one.
-    PairManifolds, PairRows {
-        touching: u32 = 1, dropped: u32 = 1, parts: u32 = 2, count: u8 = 1, normal: f64 = 3, point_a: f64 = 12,
-        point_b: f64 = 12, local_b: f64 = 12, depth: f64 = 4, status: u8 = 1,
-    }
-);
+/// Columns of the points of a manifold.
+const POINTS: &[Spec] = &[
+    ("point_a", Kind::Number, 3 * MAX_POINTS),
+    ("point_b", Kind::Number, 3 * MAX_POINTS),
+    ("local_b", Kind::Number, 3 * MAX_POINTS),
+    ("depth", Kind::Number, MAX_POINTS),
+    ("status", Kind::Code, 1),
+];
 
 fn manifold_settings(settings: (f64, u32), prediction: Option<f64>) -> ManifoldSettings {
     ManifoldSettings {
@@ -43,21 +36,19 @@ fn manifold_settings(settings: (f64, u32), prediction: Option<f64>) -> ManifoldS
     }
 }
 
-/// Writes the points of a manifold to row `$at`, and NaN for those that it does not have.
-macro_rules! put_points {
-    ($rows:expr, $at:expr, $manifold:expr) => {{
-        let points = $manifold.map(Manifold::points).unwrap_or_default();
-        put($rows.count, $at, u8::try_from(points.len()).unwrap_or(u8::MAX));
-        for place in 0..MAX_POINTS {
-            let point = points.get(place);
-            let vector = |pick: fn(&ManifoldPoint) -> DVec3| point.map_or(DVec3::NAN, pick);
-            let to = MAX_POINTS * $at + place;
-            put_vector($rows.point_a, to, vector(|point| point.point_a));
-            put_vector($rows.point_b, to, vector(|point| point.point_b));
-            put_vector($rows.local_b, to, vector(|point| point.local_b));
-            put($rows.depth, to, point.map_or(f64::NAN, |point| point.depth));
-        }
-    }};
+/// Puts the points of a manifold and its status, with NaN for points that it does not have.
+fn put_points(row: Row<'_, '_>, manifold: Option<&Manifold>) {
+    let points = manifold.map(Manifold::points).unwrap_or_default();
+    let vectors = |pick: fn(&ManifoldPoint) -> DVec3| {
+        std::array::from_fn::<_, MAX_POINTS, _>(|place| points.get(place).map_or(DVec3::NAN, pick).to_array())
+    };
+    let depths: [f64; MAX_POINTS] =
+        std::array::from_fn(|place| points.get(place).map_or(f64::NAN, |point| point.depth));
+    row.numbers(vectors(|point| point.point_a).as_flattened())
+        .numbers(vectors(|point| point.point_b).as_flattened())
+        .numbers(vectors(|point| point.local_b).as_flattened())
+        .numbers(&depths)
+        .put(manifold.map_or(Status::Separated, Manifold::status));
 }
 
 /// Contact manifolds of convex shapes. `prediction` is a length, or relative to the smaller shape.
@@ -73,16 +64,18 @@ pub fn manifold<'py>(
     threads: Threads,
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings = manifold_settings(settings, prediction);
-    Task::new(&pairs, &poses, coherent, threads)?.solve::<Manifolds, _, _>(
+    let task = Task::new(&pairs, &poses, coherent, threads)?;
+    let own = [("hit", Kind::Flag, 1), ("normal", Kind::Number, 3), ("count", Kind::Code, 1)];
+    task.solve(
         py,
         ("manifold", false),
+        Columns::zeros(task.count, &own)?.with(task.count, POINTS)?,
         |_| Ok(|sides: Pair<'_>, pose: Pose, cache: &mut Cache| update(sides, pose, &settings, cache)),
         |_| None,
         |rows, at, found| {
             let Some((manifold, contact)) = found else { return };
-            put_fields!(rows, at, contact; normal, hit);
-            put(rows.status, at, code(manifold.status()));
-            put_points!(rows, at, Some(manifold));
+            let row = rows.row(at).put(contact.hit).put(contact.normal).put(manifold.points().len() as u32);
+            put_points(row, Some(manifold));
         },
     )
 }
@@ -113,7 +106,7 @@ pub fn manifolds<'py>(
     let parts_of = |[a, b]: Pair<'_>| part_count(a).saturating_mul(part_count(b));
     let most = (0..task.pairs.len()).filter_map(|pair| task.pairs.sides(pair)).map(parts_of).max();
     let places = max_pairs.min(most.unwrap_or(1));
-    let solve = |first: usize, count: usize, mut rows: PairRows<'_>| {
+    let solve = |first: usize, count: usize, mut rows: Rows<'_>| {
         let mut found = CompoundManifolds::new(places);
         for at in 0..count / max_pairs {
             let pose = first / max_pairs + at;
@@ -128,8 +121,16 @@ pub fn manifolds<'py>(
         }
         Ok(())
     };
+    let own = [
+        ("touching", Kind::Count, 1),
+        ("dropped", Kind::Count, 1),
+        ("parts", Kind::Count, 2),
+        ("normal", Kind::Number, 3),
+        ("count", Kind::Code, 1),
+    ];
+    let columns = Columns::zeros(count, &own)?.with(count, POINTS)?;
     let cut = Cut::free(count, task.piece * max_pairs);
-    fill::<PairManifolds>(py, cut, threads, solve, PoseError::new_err)?.into_arrays(py)
+    fill(py, columns, (cut, threads, None), solve, PoseError::new_err)
 }
 
 fn part_count(side: &SharedGeometry) -> usize {
@@ -158,17 +159,17 @@ fn update(
 }
 
 /// Writes the manifolds of one pose, ordered by their parts, to the rows that start at `first`.
-fn write(rows: &mut PairRows<'_>, first: usize, count: usize, found: &CompoundManifolds, counts: ManifoldCounts) {
+fn write(rows: &mut Rows<'_>, first: usize, count: usize, found: &CompoundManifolds, counts: ManifoldCounts) {
     let mut touching: Vec<_> = found.iter().collect();
     touching.sort_unstable_by_key(|(parts, _)| *parts);
-    put(rows.touching, first, counts.touching);
-    put(rows.dropped, first, counts.dropped);
     for place in 0..count {
         let (at, pair) = (first + place, touching.get(place));
         let parts = pair.map_or([u32::MAX; 2], |(parts, _)| parts.map(|part| u32::try_from(part).unwrap_or(u32::MAX)));
-        put_all(rows.parts, at, &parts);
-        put_vector(rows.normal, at, pair.map_or(DVec3::NAN, |(_, manifold)| manifold.normal()));
-        put(rows.status, at, code(pair.map_or(Status::Separated, |(_, manifold)| manifold.status())));
-        put_points!(rows, at, pair.map(|(_, manifold)| *manifold));
+        // The counts are in the first row.
+        let [touching, dropped] = if place == 0 { [counts.touching, counts.dropped] } else { [0; 2] };
+        let manifold = pair.map(|(_, manifold)| *manifold);
+        let normal = manifold.map_or(DVec3::NAN, Manifold::normal);
+        let number = manifold.map_or(0, |manifold| manifold.points().len() as u32);
+        put_points(rows.row(at).put(touching).put(dropped).put(parts).put(normal).put(number), manifold);
     }
 }

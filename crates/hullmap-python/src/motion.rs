@@ -1,18 +1,20 @@
 //! Shapes that move and turn, and derivatives: one row for each motion or pose.
 
 use hullmap::glam::{DQuat, DVec3};
-use hullmap::{self as core, CastSettings, ClearSettings, MotionSettings, Pose, RigidMotion, Settings, SharedGeometry};
+use hullmap::{
+    self as core, CastSettings, ClearSettings, Derivatives, Differentiability, MotionSettings, Pose, RigidMotion,
+    Settings, SharedGeometry,
+};
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::columns::{Columns, columns, put, put_all, put_fields, put_vector};
+use crate::columns::{Columns, Kind, Row, Rows, Spec};
 use crate::error::{ArrayError, PoseError, ShapeError};
-use crate::pose::Rows;
+use crate::pose::Rows as PoseRows;
 use crate::query::cache_of;
-use crate::robot::{differentiability_code, verdict_code};
 use crate::shape::Shape;
-use crate::solve::{Rays, code};
+use crate::solve::Rays;
 use crate::task::{Cut, fill};
 use crate::threads::Threads;
 
@@ -22,36 +24,33 @@ const PIECE: usize = 64;
 /// Numbers of a motion that stays at a pose, of one between two poses, and of a screw.
 const WIDTHS: [usize; 3] = [7, 14, 16];
 
-columns!(
-    /// Answers of `cast_motion`.
-    Impacts, ImpactRows {
-        hit: bool = 1, t: f64 = 1, t_lower: f64 = 1, t_upper: f64 = 1, status: u8 = 1, normal: f64 = 3,
-        point_a: f64 = 3, point_b: f64 = 3, iterations: u32 = 1, support_calls: u32 = 1, parts: u32 = 2,
-        differentiability: u8 = 1, by_a: f64 = 6, by_b: f64 = 6,
-    }
-);
+/// Columns of `derivatives`.
+const SLOPES: &[Spec] = &[
+    ("value", Kind::Number, 1),
+    ("differentiability", Kind::Code, 1),
+    ("by_a", Kind::Number, 6),
+    ("by_b", Kind::Number, 6),
+    ("status", Kind::Code, 1),
+];
 
-columns!(
-    /// Answers of `clear`.
-    Verdicts, VerdictRows {
-        verdict: u8 = 1, status: u8 = 1, clearance: f64 = 1, nearest: f64 = 1, t_lower: f64 = 1, t_upper: f64 = 1,
-        iterations: u32 = 1, support_calls: u32 = 1, parts: u32 = 2,
-    }
-);
+/// Columns of `witness_derivatives`: matrices of 3 rows and 6 columns.
+const WITNESSES: &[Spec] = &[
+    ("normal", Kind::Number, 3),
+    ("point_a", Kind::Number, 3),
+    ("point_b", Kind::Number, 3),
+    ("differentiability", Kind::Code, 1),
+    ("normal_by_a", Kind::Number, 18),
+    ("normal_by_b", Kind::Number, 18),
+    ("point_a_by_a", Kind::Number, 18),
+    ("point_a_by_b", Kind::Number, 18),
+    ("point_b_by_a", Kind::Number, 18),
+    ("point_b_by_b", Kind::Number, 18),
+    ("status", Kind::Code, 1),
+];
 
-columns!(
-    /// Answers of `derivatives`.
-    Slopes, SlopeRows { value: f64 = 1, differentiability: u8 = 1, by_a: f64 = 6, by_b: f64 = 6, status: u8 = 1 }
-);
-
-columns!(
-    /// Answers of `witness_derivatives`: matrices of 3 rows and 6 columns.
-    Witnesses, WitnessRows {
-        normal: f64 = 3, point_a: f64 = 3, point_b: f64 = 3, differentiability: u8 = 1, normal_by_a: f64 = 18,
-        normal_by_b: f64 = 18, point_a_by_a: f64 = 18, point_a_by_b: f64 = 18, point_b_by_a: f64 = 18,
-        point_b_by_b: f64 = 18, status: u8 = 1,
-    }
-);
+fn put_derivatives<'a, 'r>(row: Row<'a, 'r>, by: &core::Derivatives) -> Row<'a, 'r> {
+    row.put(by.status).numbers(&by.by_a.to_array()).numbers(&by.by_b.to_array())
+}
 
 /// Motions of one argument, copied while the GIL was held.
 struct Motions {
@@ -137,7 +136,7 @@ pub fn cast_motion<'py>(
     check("cast_motion", &a, &b)?;
     let (motions_a, motions_b, count) = motions(&motion_a, &motion_b)?;
     let settings = MotionSettings { target_distance: settings.0, tolerance: settings.1, max_iterations: settings.2 };
-    let solve = |first: usize, count: usize, rows: ImpactRows<'_>| {
+    let solve = |first: usize, count: usize, mut rows: Rows<'_>| {
         for at in 0..count {
             let row = first + at;
             let own = [&motions_a, &motions_b].map(|motions| motions.get(row));
@@ -146,22 +145,17 @@ pub fn cast_motion<'py>(
                 return Err((row, message));
             };
             let found = core::cast_motion(&a, motion_a, &b, motion_b, &settings, &mut cache_of([&a, &b]));
-            put_fields!(
-                rows, at, found;
-                hit, t, t_lower, t_upper, status, normal, point_a, point_b, iterations, support_calls
-            );
-            put_all(rows.parts, at, &found.parts);
-            let with_b = |a: &dyn core::Shape| {
-                b.with_part(found.parts[1], |b| found.derivatives(a, motion_a, b, motion_b))
-            };
+            let with_b =
+                |a: &dyn core::Shape| b.with_part(found.parts[1], |b| found.derivatives(a, motion_a, b, motion_b));
             let by = a.with_part(found.parts[0], with_b).flatten();
-            put(rows.differentiability, at, by.as_ref().map_or(6, |by| differentiability_code(by.status)));
-            put_all(rows.by_a, at, &by.as_ref().map_or([0.0; 6], |by| by.of_a.to_array()));
-            put_all(rows.by_b, at, &by.as_ref().map_or([0.0; 6], |by| by.of_b.to_array()));
+            // A half-space has no support mapping.
+            let unknown = || Derivatives { status: Differentiability::Inaccurate, ..Derivatives::default() };
+            put_derivatives(rows.row(at).answer(&found), &by.unwrap_or_else(unknown));
         }
         Ok(())
     };
-    fill::<Impacts>(py, Cut::free(count, PIECE), threads, solve, PoseError::new_err)?.into_arrays(py)
+    let columns = Columns::of::<core::TimeOfImpact>(count)?.with(count, SLOPES.get(1..4).unwrap_or_default())?;
+    fill(py, columns, (Cut::free(count, PIECE), threads, None), solve, PoseError::new_err)
 }
 
 /// Whether shapes that move and turn stay clear of each other. The settings are margin, tolerance,
@@ -183,19 +177,18 @@ pub fn clear<'py>(
     let (target_distance, tolerance, max_iterations, share) = settings;
     let motion = MotionSettings { target_distance, tolerance, max_iterations };
     let settings = ClearSettings { motion, share };
-    let solve = |first: usize, count: usize, rows: VerdictRows<'_>| {
+    let solve = |first: usize, count: usize, mut rows: Rows<'_>| {
         for at in 0..count {
             let row = first + at;
             let motion_a = motions_a.get(row).map_err(|message| (row, message))?;
             let motion_b = motions_b.get(row).map_err(|message| (row, message))?;
             let found = core::clear(&a, &motion_a, &b, &motion_b, &settings, &mut cache_of([&a, &b]));
-            put(rows.verdict, at, verdict_code(found.verdict));
-            put_fields!(rows, at, found; status, clearance, nearest, t_lower, t_upper, iterations, support_calls);
-            put_all(rows.parts, at, &found.parts);
+            rows.put(at, &found);
         }
         Ok(())
     };
-    fill::<Verdicts>(py, Cut::free(count, PIECE), threads, solve, PoseError::new_err)?.into_arrays(py)
+    let columns = Columns::of::<core::Clearance>(count)?;
+    fill(py, columns, (Cut::free(count, PIECE), threads, None), solve, PoseError::new_err)
 }
 
 /// A convex shape, for derivatives.
@@ -221,8 +214,8 @@ pub fn derivatives<'py>(
     let (a, b) = (a.0.clone(), b.0.clone());
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
     let (own_a, own_b) = (convex_only(&a)?, convex_only(&b)?);
-    let poses = Rows::new("b_in_a", &b_in_a)?;
-    let solve = |first: usize, count: usize, rows: SlopeRows<'_>| {
+    let poses = PoseRows::new("b_in_a", &b_in_a)?;
+    let solve = |first: usize, count: usize, mut rows: Rows<'_>| {
         for at in 0..count {
             let row = first + at;
             let pose = poses.get(row).map_err(|message| (row, message))?;
@@ -235,15 +228,12 @@ pub fn derivatives<'py>(
                 let found = core::distance(own_a, own_b, pose, &settings, &mut cache);
                 (found.distance, found.status, found.derivatives(own_a, own_b, pose))
             };
-            put(rows.value, at, value);
-            put(rows.status, at, code(status));
-            put(rows.differentiability, at, differentiability_code(by.status));
-            put_all(rows.by_a, at, &by.of_a.to_array());
-            put_all(rows.by_b, at, &by.of_b.to_array());
+            put_derivatives(rows.row(at).put(value), &by).put(status);
         }
         Ok(())
     };
-    fill::<Slopes>(py, Cut::free(poses.count(), PIECE), threads, solve, PoseError::new_err)?.into_arrays(py)
+    let columns = Columns::zeros(poses.count(), SLOPES)?;
+    fill(py, columns, (Cut::free(poses.count(), PIECE), threads, None), solve, PoseError::new_err)
 }
 
 /// Derivatives of the t of rays that meet a convex shape, by the pose of the shape and by the pose
@@ -261,20 +251,17 @@ pub fn ray_derivatives<'py>(
     let side = shape.0.clone();
     let settings = CastSettings { max_t: settings.0, tolerance: settings.1, max_iterations: settings.2 };
     let (own, rays) = (convex_only(&side)?, Rays::new(&origins, &directions)?);
-    let solve = |first: usize, count: usize, rows: SlopeRows<'_>| {
+    let solve = |first: usize, count: usize, mut rows: Rows<'_>| {
         for at in 0..count {
             let ray = rays.get(first + at)?;
             let hit = core::ray(own, &ray, &settings);
             let by = hit.derivatives(own, &ray);
-            put(rows.value, at, hit.t);
-            put(rows.status, at, code(hit.status));
-            put(rows.differentiability, at, differentiability_code(by.status));
-            put_all(rows.by_a, at, &by.of_a.to_array());
-            put_all(rows.by_b, at, &by.of_b.to_array());
+            put_derivatives(rows.row(at).put(hit.t), &by).put(hit.status);
         }
         Ok(())
     };
-    fill::<Slopes>(py, Cut::free(rays.count(), PIECE), threads, solve, ArrayError::new_err)?.into_arrays(py)
+    let columns = Columns::zeros(rays.count(), SLOPES)?;
+    fill(py, columns, (Cut::free(rays.count(), PIECE), threads, None), solve, ArrayError::new_err)
 }
 
 /// Derivatives of the normal and the points of the distance or the contact of convex shapes, by
@@ -293,8 +280,8 @@ pub fn witness_derivatives<'py>(
     let (a, b) = (a.0.clone(), b.0.clone());
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
     let (own_a, own_b) = (convex_only(&a)?, convex_only(&b)?);
-    let poses = Rows::new("b_in_a", &b_in_a)?;
-    let solve = |first: usize, count: usize, rows: WitnessRows<'_>| {
+    let poses = PoseRows::new("b_in_a", &b_in_a)?;
+    let solve = |first: usize, count: usize, mut rows: Rows<'_>| {
         for at in 0..count {
             let row = first + at;
             let pose = poses.get(row).map_err(|message| (row, message))?;
@@ -308,19 +295,19 @@ pub fn witness_derivatives<'py>(
                 let by = found.witness_derivatives(own_a, own_b, pose);
                 (found.normal, [found.point_a, found.point_b], found.status, by)
             };
-            put_vector(rows.normal, at, normal);
-            put_vector(rows.point_a, at, points[0]);
-            put_vector(rows.point_b, at, points[1]);
-            put(rows.status, at, code(status));
-            put(rows.differentiability, at, differentiability_code(by.status));
-            put_all(rows.normal_by_a, at, by.of_a.normal.as_flattened());
-            put_all(rows.normal_by_b, at, by.of_b.normal.as_flattened());
-            put_all(rows.point_a_by_a, at, by.of_a.point_a.as_flattened());
-            put_all(rows.point_a_by_b, at, by.of_b.point_a.as_flattened());
-            put_all(rows.point_b_by_a, at, by.of_a.point_b.as_flattened());
-            put_all(rows.point_b_by_b, at, by.of_b.point_b.as_flattened());
+            let mut row = rows.row(at).put(normal).put(points[0]).put(points[1]).put(by.status);
+            let matrices = [
+                (by.by_a.normal, by.by_b.normal),
+                (by.by_a.point_a, by.by_b.point_a),
+                (by.by_a.point_b, by.by_b.point_b),
+            ];
+            for (by_a, by_b) in &matrices {
+                row = row.numbers(by_a.as_flattened()).numbers(by_b.as_flattened());
+            }
+            row.put(status);
         }
         Ok(())
     };
-    fill::<Witnesses>(py, Cut::free(poses.count(), PIECE), threads, solve, PoseError::new_err)?.into_arrays(py)
+    let columns = Columns::zeros(poses.count(), WITNESSES)?;
+    fill(py, columns, (Cut::free(poses.count(), PIECE), threads, None), solve, PoseError::new_err)
 }

@@ -3,22 +3,20 @@
 use std::path::PathBuf;
 
 use hullmap::glam::{DQuat, DVec3};
-use hullmap::{Differentiability, Pose, Settings, Verdict};
+use hullmap::{Differentiability, Pose, Settings};
 use hullmap_planning::{
-    EdgeSettings, Memory, Obstacle, Packs, PlanningError, Robot as Planner, RobotClearance,
-    Skipped,
+    EdgeSettings, Memory, Obstacle, Packs, PlanningError, Robot as Planner, RobotClearance, Skipped,
 };
 use hullmap_robot::{Description, Places};
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::columns::{Columns, columns, put, put_all, put_fields, put_vector};
+use crate::columns::{Columns, Kind, Rows, Spec};
 use crate::error::{self, ArrayError, Error};
-use crate::pose::Rows;
+use crate::pose::Rows as PoseRows;
 use crate::shape::Shape;
-use crate::solve::code;
-use crate::task::{Cut, fill_into};
+use crate::task::{Cut, fill};
 use crate::threads::{self, Threads};
 
 /// Configurations of a piece: about a millisecond of work. They share caches.
@@ -27,58 +25,29 @@ const PIECE: usize = 128;
 /// Edges of a piece.
 const PIECE_OF_EDGES: usize = 8;
 
-columns!(
-    /// Answers of `in_collision`.
-    Collisions, CollisionRows { hit: bool = 1 }
-);
+/// Columns of `clearance`, but for the gradient.
+const CLEARANCES: &[Spec] = &[
+    ("lower", Kind::Number, 1),
+    ("upper", Kind::Number, 1),
+    ("pair", Kind::Count, 2),
+    ("status", Kind::Code, 1),
+    ("normal", Kind::Number, 3),
+    ("point_a", Kind::Number, 3),
+    ("point_b", Kind::Number, 3),
+    ("differentiability", Kind::Code, 1),
+];
 
-columns!(
-    /// Answers of `clearance`, but for the gradient.
-    Clearances, ClearanceRows {
-        lower: f64 = 1, upper: f64 = 1, pair: u32 = 2, status: u8 = 1, normal: f64 = 3, point_a: f64 = 3,
-        point_b: f64 = 3, differentiability: u8 = 1,
-    }
-);
-
-columns!(
-    /// Answers of `clear`.
-    Edges, EdgeRows {
-        verdict: u8 = 1, status: u8 = 1, clearance: f64 = 1, nearest: f64 = 1, t_lower: f64 = 1, t_upper: f64 = 1,
-        pair: u32 = 2, queries: u32 = 1,
-    }
-);
-
-/// Answers of `clearance`, with a gradient of `width` numbers, or of none.
-struct Gradients {
-    fixed: Clearances,
-    gradient: Vec<f64>,
-    width: usize,
-}
-
-impl Columns for Gradients {
-    type Rows<'a> = (ClearanceRows<'a>, &'a mut [f64]);
-
-    fn zeros(count: usize) -> PyResult<Self> {
-        Ok(Self { fixed: Clearances::zeros(count)?, gradient: Vec::new(), width: 0 })
-    }
-
-    fn pieces(&mut self, range: std::ops::Range<usize>, size: usize) -> Vec<Self::Rows<'_>> {
-        let width = self.width;
-        let gradient = self.gradient.get_mut(range.start * width..range.end * width).unwrap_or_default();
-        let gradients = gradient.chunks_mut((size * width).max(1)).map(Some).chain(std::iter::repeat_with(|| None));
-        let fixed = self.fixed.pieces(range, size);
-        fixed.into_iter().zip(gradients).map(|(fixed, own)| (fixed, own.unwrap_or_default())).collect()
-    }
-
-    fn into_arrays(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-        let arrays = self.fixed.into_arrays(py)?;
-        if let Some(rows) = self.gradient.len().checked_div(self.width) {
-            let gradient = PyArray1::from_vec(py, self.gradient).reshape([rows, self.width])?;
-            arrays.set_item("gradient", gradient)?;
-        }
-        Ok(arrays)
-    }
-}
+/// Columns of `clear`.
+const EDGES: &[Spec] = &[
+    ("verdict", Kind::Code, 1),
+    ("status", Kind::Code, 1),
+    ("clearance", Kind::Number, 1),
+    ("nearest", Kind::Number, 1),
+    ("t_lower", Kind::Number, 1),
+    ("t_upper", Kind::Number, 1),
+    ("pair", Kind::Count, 2),
+    ("queries", Kind::Count, 1),
+];
 
 /// A robot. It does not change; others are made from it.
 #[pyclass(frozen, module = "hullmap._hullmap")]
@@ -90,7 +59,7 @@ pub struct Robot {
 /// Configurations: numbers of joints, or poses of links.
 enum Configurations {
     Joints(Vec<f64>),
-    Poses(Rows),
+    Poses(PoseRows),
 }
 
 fn raised(error: PlanningError) -> PyErr {
@@ -100,30 +69,6 @@ fn raised(error: PlanningError) -> PyErr {
             error::of_io(&std::io::Error::from(kind), error.to_string())
         }
         error => Error::new_err(error.to_string()),
-    }
-}
-
-/// The code of a differentiability, as in `hullmap.Differentiability`.
-pub fn differentiability_code(status: Differentiability) -> u8 {
-    match status {
-        Differentiability::Unique => 0,
-        Differentiability::Touching => 1,
-        Differentiability::Parallel => 2,
-        Differentiability::Normals => 3,
-        Differentiability::Grazing => 4,
-        Differentiability::Missing => 5,
-        Differentiability::Inaccurate => 6,
-        Differentiability::Feature => 7,
-        Differentiability::Curved => 8,
-    }
-}
-
-/// The code of a verdict, as in `hullmap.Verdict`.
-pub fn verdict_code(verdict: Verdict) -> u8 {
-    match verdict {
-        Verdict::Free => 0,
-        Verdict::Hit => 1,
-        Verdict::Open => 2,
     }
 }
 
@@ -152,7 +97,7 @@ impl Robot {
         Ok(match (q, poses) {
             (Some(q), None) => Configurations::Joints(self.joints("q", q)?),
             (None, Some(poses)) => {
-                let rows = Rows::new("poses", poses)?;
+                let rows = PoseRows::new("poses", poses)?;
                 if rows.count() != count * self.robot.links().len() {
                     return Err(ArrayError::new_err("poses: pass one pose for each link"));
                 }
@@ -169,7 +114,7 @@ impl Robot {
     }
 
     /// The poses of all links of row `row`.
-    fn poses(&self, rows: &Rows, row: usize) -> Result<Vec<Pose>, String> {
+    fn poses(&self, rows: &PoseRows, row: usize) -> Result<Vec<Pose>, String> {
         let count = self.robot.links().len();
         (row * count..(row + 1) * count).map(|at| rows.get(at)).collect()
     }
@@ -307,11 +252,7 @@ impl Robot {
     }
 
     /// The poses of all links, for each row of `q`: x y z and a quaternion x y z w.
-    fn link_poses<'py>(
-        &self,
-        py: Python<'py>,
-        q: PyReadonlyArray2<'py, f64>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn link_poses<'py>(&self, py: Python<'py>, q: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let count = q.shape().first().copied().unwrap_or(0);
         let numbers = self.joints("q", &q)?;
         let solve = || {
@@ -348,8 +289,8 @@ impl Robot {
         report: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let q = self.configurations(count, q.as_ref(), poses.as_ref())?;
-        let mut columns = Collisions::zeros(count)?;
-        let solve = |first: usize, count: usize, rows: CollisionRows<'_>| {
+        let columns = Columns::zeros(count, &[("hit", Kind::Flag, 1)])?;
+        let solve = |first: usize, count: usize, mut rows: Rows<'_>| {
             let mut memory = self.robot.memory();
             for at in 0..count {
                 let row = first + at;
@@ -363,13 +304,12 @@ impl Robot {
                         self.robot.in_collision_at(&poses, margin, &mut memory)
                     }
                 };
-                put(rows.hit, at, hit.map_err(|error| rejected(error.to_string()))?);
+                rows.row(at).put(hit.map_err(|error| rejected(error.to_string()))?);
             }
             Ok(())
         };
         let cut = Cut::free(count, PIECE);
-        fill_into(py, &mut columns, (cut, threads, report.as_ref()), solve, ArrayError::new_err)?;
-        columns.into_arrays(py)
+        fill(py, columns, (cut, threads, report.as_ref()), solve, ArrayError::new_err)
     }
 
     #[pyo3(signature = (count, q, poses, settings, gradient, threads, report))]
@@ -387,29 +327,28 @@ impl Robot {
         let q = self.configurations(count, q.as_ref(), poses.as_ref())?;
         let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
         let width = if gradient { self.robot.joint_count() } else { 0 };
-        let gradient = crate::columns::zeros(count.saturating_mul(width))?;
-        let mut columns = Gradients { fixed: Clearances::zeros(count)?, gradient, width };
-        let solve = |first: usize, count: usize, (rows, gradients): (ClearanceRows<'_>, &mut [f64])| {
-            let mut memory = self.robot.memory();
+        let mut columns = Columns::zeros(count, CLEARANCES)?;
+        if width > 0 {
+            columns = columns.with(count, &[("gradient", Kind::Number, width)])?;
+        }
+        let solve = |first: usize, count: usize, mut rows: Rows<'_>| {
+            let (mut memory, mut gradient) = (self.robot.memory(), vec![0.0; width]);
             for at in 0..count {
                 let row = first + at;
-                let own = gradients.get_mut(at * width..(at + 1) * width).unwrap_or_default();
-                let found = self.clearance_of(&q, row, &settings, &mut memory, own);
+                gradient.fill(0.0);
+                let found = self.clearance_of(&q, row, &settings, &mut memory, &mut gradient);
                 let (found, status) = found.map_err(|message| (row, format!("row {row}: {message}")))?;
-                put(rows.lower, at, found.lower);
-                put(rows.upper, at, found.upper);
-                put_all(rows.pair, at, &pair_code(found.colliders));
-                put(rows.status, at, code(found.status));
-                put_vector(rows.normal, at, found.normal);
-                put_vector(rows.point_a, at, found.points[0]);
-                put_vector(rows.point_b, at, found.points[1]);
-                put(rows.differentiability, at, differentiability_code(status));
+                let pair = pair_code(found.colliders);
+                let row = rows.row(at).put(found.lower).put(found.upper).put(pair).put(found.status).put(found.normal);
+                let row = row.put(found.points[0]).put(found.points[1]).put(status);
+                if width > 0 {
+                    row.numbers(&gradient);
+                }
             }
             Ok(())
         };
         let cut = Cut::free(count, PIECE);
-        fill_into(py, &mut columns, (cut, threads, report.as_ref()), solve, ArrayError::new_err)?;
-        columns.into_arrays(py)
+        fill(py, columns, (cut, threads, report.as_ref()), solve, ArrayError::new_err)
     }
 
     /// Edges from the rows of `start` to the rows of `end`. The settings are margin, resolution,
@@ -428,22 +367,21 @@ impl Robot {
         let (start, end) = (self.joints("start", &start)?, self.joints("end", &end)?);
         let (margin, resolution, share, max_queries) = settings;
         let settings = EdgeSettings { margin, resolution, share, max_queries };
-        let mut columns = Edges::zeros(count)?;
-        let solve = |first: usize, count: usize, rows: EdgeRows<'_>| {
+        let columns = Columns::zeros(count, EDGES)?;
+        let solve = |first: usize, count: usize, mut rows: Rows<'_>| {
             let mut memory = self.robot.memory();
             for at in 0..count {
                 let row = first + at;
                 let found = self.robot.clear(self.row(&start, row), self.row(&end, row), &settings, &mut memory);
                 let found = found.map_err(|error| (row, format!("edge {row}: {error}")))?;
-                put(rows.verdict, at, verdict_code(found.answer.verdict));
-                put_fields!(rows, at, found.answer; status, clearance, nearest, t_lower, t_upper);
-                put_all(rows.pair, at, &pair_code(found.colliders));
-                put(rows.queries, at, found.answer.iterations);
+                let (answer, pair) = (found.answer, pair_code(found.colliders));
+                let row = rows.row(at).put(answer.verdict).put(answer.status).put(answer.clearance);
+                let row = row.put(answer.nearest).put(answer.t_lower).put(answer.t_upper);
+                row.put(pair).put(answer.iterations);
             }
             Ok(())
         };
         let cut = Cut::free(count, PIECE_OF_EDGES);
-        fill_into(py, &mut columns, (cut, threads, report.as_ref()), solve, ArrayError::new_err)?;
-        columns.into_arrays(py)
+        fill(py, columns, (cut, threads, report.as_ref()), solve, ArrayError::new_err)
     }
 }

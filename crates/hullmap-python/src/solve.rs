@@ -2,14 +2,13 @@
 
 use hullmap::glam::DVec3;
 use hullmap::{
-    self as core, Cache, CastSettings, Motion, Overlap, Pose, Ray, Settings, SharedGeometry, Status, SupportMap,
-    SupportPoint,
+    self as core, Cache, CastSettings, Motion, Pose, Ray, Settings, SharedGeometry, SupportMap, SupportPoint,
 };
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::columns::{Columns, Field, columns, put, put_all, put_fields, put_vector};
+use crate::columns::{Columns, Kind, Rows};
 use crate::error::{ArrayError, ShapeError};
 use crate::gpu;
 use crate::pairs::Queried;
@@ -19,91 +18,8 @@ use crate::shape::Shape;
 use crate::task::{Cut, PIECE, Task, fill};
 use crate::threads::Threads;
 
-columns!(
-    /// Answers of `intersects`.
-    Intersections, IntersectionRows {
-        hit: bool = 1, status: u8 = 1, iterations: u32 = 1, support_calls: u32 = 1, parts: u32 = 2,
-    }
-);
-
-columns!(
-    /// Answers of `distance`.
-    Distances, DistanceRows {
-        distance: f64 = 1, lower: f64 = 1, upper: f64 = 1, status: u8 = 1, normal: f64 = 3, point_a: f64 = 3,
-        point_b: f64 = 3, iterations: u32 = 1, support_calls: u32 = 1, parts: u32 = 2,
-    }
-);
-
-columns!(
-    /// Answers of `contact`.
-    Contacts, ContactRows {
-        hit: bool = 1, depth: f64 = 1, depth_lower: f64 = 1, depth_upper: f64 = 1, status: u8 = 1, normal: f64 = 3,
-        point_a: f64 = 3, point_b: f64 = 3, iterations: u32 = 1, support_calls: u32 = 1, parts: u32 = 2,
-    }
-);
-
-columns!(
-    /// Answers of `cast`.
-    Impacts, ImpactRows {
-        hit: bool = 1, t: f64 = 1, t_lower: f64 = 1, t_upper: f64 = 1, status: u8 = 1, normal: f64 = 3,
-        point_a: f64 = 3, point_b: f64 = 3, iterations: u32 = 1, support_calls: u32 = 1, parts: u32 = 2,
-    }
-);
-
-columns!(
-    /// Answers of `ray`.
-    RayHits, RayRows {
-        hit: bool = 1, t: f64 = 1, t_lower: f64 = 1, t_upper: f64 = 1, status: u8 = 1, normal: f64 = 3, point: f64 = 3,
-        iterations: u32 = 1, support_calls: u32 = 1, parts: u32 = 1,
-    }
-);
-
-columns!(
-    /// Answers of `signed_distance`.
-    SignedDistances, SignedRows {
-        distance: f64 = 1, lower: f64 = 1, upper: f64 = 1, status: u8 = 1, normal: f64 = 3, point: f64 = 3,
-        iterations: u32 = 1, support_calls: u32 = 1, parts: u32 = 1,
-    }
-);
-
-columns!(
-    /// Answers of `support`.
-    Supports, SupportRows { point: f64 = 3, vertex: u32 = 1, parts: u32 = 1 }
-);
-
 /// The two sides of a query.
 pub type Pair<'s> = [&'s SharedGeometry; 2];
-
-/// The code of a status, as in `hullmap.Status`.
-pub fn code(status: Status) -> u8 {
-    match status {
-        Status::Exact => 0,
-        Status::Within => 1,
-        Status::Touching => 2,
-        Status::Overlapping => 3,
-        Status::Separated => 4,
-        Status::IterationLimit => 5,
-        Status::Stalled => 6,
-    }
-}
-
-impl Field for Status {
-    type Number = u8;
-
-    fn write(self, column: &mut [u8], at: usize) {
-        put(column, at, code(self));
-    }
-}
-
-/// The code of an overlap, as in `hullmap.Overlap`.
-fn overlap_code(overlap: Overlap) -> u8 {
-    match overlap {
-        Overlap::Separated => 0,
-        Overlap::Overlapping => 1,
-        Overlap::Touching => 2,
-        Overlap::Undecided => 3,
-    }
-}
 
 /// Whether shapes share a point.
 #[pyfunction]
@@ -118,18 +34,13 @@ pub fn intersects<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let task = Task::new(&pairs, &poses, coherent, threads)?;
     let known = gpu::known(py, device, &task, &Settings::default())?;
-    task.solve::<Intersections, _, _>(
+    task.solve(
         py,
         ("intersects", true),
+        Columns::of::<core::Intersection>(task.count)?,
         |_| Ok(|[a, b]: Pair<'_>, pose: Pose, cache: &mut Cache| core::intersects(a, b, pose, cache)),
         known,
-        |rows, at, found| {
-            put(rows.hit, at, found.is_hit());
-            put(rows.status, at, overlap_code(found.status));
-            put(rows.iterations, at, found.iterations);
-            put(rows.support_calls, at, found.support_calls);
-            put_all(rows.parts, at, &found.parts);
-        },
+        |rows, at, found| rows.put(at, found),
     )
 }
 
@@ -148,18 +59,13 @@ pub fn distance<'py>(
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
     let task = Task::new(&pairs, &poses, coherent, threads)?;
     let known = gpu::known(py, device, &task, &settings)?;
-    task.solve::<Distances, _, _>(
+    task.solve(
         py,
         ("distance", true),
+        Columns::of::<core::Distance>(task.count)?,
         |_| Ok(|[a, b]: Pair<'_>, pose: Pose, cache: &mut Cache| core::distance(a, b, pose, &settings, cache)),
         known,
-        |rows, at, found| {
-            put_fields!(
-                rows, at, found;
-                distance, lower, upper, status, normal, point_a, point_b, iterations, support_calls
-            );
-            put_all(rows.parts, at, &found.parts);
-        },
+        |rows, at, found| rows.put(at, found),
     )
 }
 
@@ -178,18 +84,13 @@ pub fn contact<'py>(
     let settings = Settings { tolerance: settings.0, max_iterations: settings.1 };
     let task = Task::new(&pairs, &poses, coherent, threads)?;
     let known = gpu::known(py, device, &task, &settings)?;
-    task.solve::<Contacts, _, _>(
+    task.solve(
         py,
         ("contact", true),
+        Columns::of::<core::Contact>(task.count)?,
         |_| Ok(|[a, b]: Pair<'_>, pose: Pose, cache: &mut Cache| core::contact(a, b, pose, &settings, cache)),
         known,
-        |rows, at, found| {
-            put_fields!(
-                rows, at, found;
-                hit, depth, depth_lower, depth_upper, status, normal, point_a, point_b, iterations, support_calls
-            );
-            put_all(rows.parts, at, &found.parts);
-        },
+        |rows, at, found| rows.put(at, found),
     )
 }
 
@@ -209,21 +110,16 @@ pub fn cast<'py>(
     let velocities = Vectors::new("velocity", &velocities)?;
     let task = Task::new(&pairs, &poses, coherent, threads)?;
     velocities.check_count(task.count)?;
-    task.solve::<Impacts, _, _>(
+    task.solve(
         py,
         ("cast", true),
+        Columns::of::<core::Impact>(task.count)?,
         |row| {
             let motion = Motion::new(velocities.get(row)).map_err(|error| format!("velocity[{row}]: {error}"))?;
             Ok(move |[a, b]: Pair<'_>, pose: Pose, cache: &mut Cache| core::cast(a, b, pose, motion, &settings, cache))
         },
         |_| None,
-        |rows, at, found| {
-            put_fields!(
-                rows, at, found;
-                hit, t, t_lower, t_upper, status, normal, point_a, point_b, iterations, support_calls
-            );
-            put_all(rows.parts, at, &found.parts);
-        },
+        |rows, at, found| rows.put(at, found),
     )
 }
 
@@ -295,16 +191,16 @@ pub fn ray<'py>(
     let settings = CastSettings { max_t: settings.0, tolerance: settings.1, max_iterations: settings.2 };
     let rays = Rays::new(&origins, &directions)?;
     let side = shape.0.clone();
-    let solve = |first: usize, count: usize, rows: RayRows<'_>| {
+    let solve = |first: usize, count: usize, mut rows: Rows<'_>| {
         for at in 0..count {
             let ray = rays.get(first + at)?;
             let hit = core::ray(&side, &ray, &settings);
-            put_fields!(rows, at, hit; hit, t, t_lower, t_upper, status, normal, point, iterations, support_calls);
-            put(rows.parts, at, hit.part);
+            rows.put(at, &hit);
         }
         Ok(())
     };
-    fill::<RayHits>(py, Cut::free(rays.count(), PIECE), threads, solve, ArrayError::new_err)?.into_arrays(py)
+    let (count, columns) = (rays.count(), Columns::of::<core::RayHit>(rays.count())?);
+    fill(py, columns, (Cut::free(count, PIECE), threads, None), solve, ArrayError::new_err)
 }
 
 /// Signed distances of points from a shape. For a pack, the minimum over its hulls.
@@ -326,7 +222,7 @@ pub fn signed_distance<'py>(
         let message = format!("signed_distance takes a shape with an inside, found {name}: {remedy}");
         return Err(ShapeError::new_err(message));
     }
-    let solve = |first: usize, count: usize, rows: SignedRows<'_>| {
+    let solve = |first: usize, count: usize, mut rows: Rows<'_>| {
         let mut cache = cache_of([&side; 2]);
         for at in 0..count {
             let row = first + at;
@@ -335,13 +231,13 @@ pub fn signed_distance<'py>(
             }
             let found = core::signed_distance(&side, points.get(row), &settings, &mut cache);
             let found = found.map_err(|error| (row, format!("points[{row}]: {error}")))?;
-            put_fields!(rows, at, found; distance, lower, upper, status, normal, point, iterations, support_calls);
-            put(rows.parts, at, found.part);
+            rows.put(at, &found);
         }
         Ok(())
     };
-    fill::<SignedDistances>(py, Cut::free(points.numbers.len(), PIECE), threads, solve, ArrayError::new_err)?
-        .into_arrays(py)
+    let count = points.numbers.len();
+    let columns = Columns::of::<core::SignedDistance>(count)?;
+    fill(py, columns, (Cut::free(count, PIECE), threads, None), solve, ArrayError::new_err)
 }
 
 /// Support points of a bounded shape; for a pack, of the hull that reaches farthest.
@@ -364,7 +260,7 @@ pub fn support<'py>(
             "support takes a bounded shape, found a half-space: it reaches to infinity in all directions but one",
         ));
     }
-    let solve = |first: usize, count: usize, rows: SupportRows<'_>| {
+    let solve = |first: usize, count: usize, mut rows: Rows<'_>| {
         for at in 0..count {
             let row = first + at;
             let direction = directions.get(row);
@@ -391,14 +287,14 @@ pub fn support<'py>(
                     None => continue,
                 },
             };
-            put_vector(rows.point, at, found.point);
-            put(rows.vertex, at, found.feature);
-            put(rows.parts, at, part);
+            rows.row(at).put(found.point).put(found.feature).put(part);
         }
         Ok(())
     };
-    fill::<Supports>(py, Cut::free(directions.numbers.len(), PIECE), threads, solve, ArrayError::new_err)?
-        .into_arrays(py)
+    let count = directions.numbers.len();
+    let columns =
+        Columns::zeros(count, &[("point", Kind::Number, 3), ("vertex", Kind::Count, 1), ("parts", Kind::Count, 1)])?;
+    fill(py, columns, (Cut::free(count, PIECE), threads, None), solve, ArrayError::new_err)
 }
 
 /// The farthest support point of all hulls, and the index of its hull: the first of equal ones.

@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
 
-use crate::columns::Columns;
+use crate::columns::{Columns, Rows};
 use crate::error::PoseError;
 use crate::pairs::{Pairs, Queried};
 use crate::pose::{PoseArrays, Poses};
@@ -53,28 +53,16 @@ impl Cut {
     }
 }
 
-/// Fills rows of new columns. `solve` fills the rows of a piece that starts at the given row, and
-/// returns the first row that it rejects, with the reason.
-pub fn fill<C: Columns>(
-    py: Python<'_>,
-    cut: Cut,
-    threads: Threads,
-    solve: impl Fn(usize, usize, C::Rows<'_>) -> Result<(), (usize, String)> + Sync,
-    error: fn(String) -> PyErr,
-) -> PyResult<C> {
-    let mut columns = C::zeros(cut.count)?;
-    fill_into(py, &mut columns, (cut, threads, None), solve, error)?;
-    Ok(columns)
-}
-
-/// Fills rows of columns. The function of the plan is called with the share that is done.
-pub fn fill_into<C: Columns>(
-    py: Python<'_>,
-    columns: &mut C,
+/// Fills the rows of columns, and returns them as arrays. `solve` fills the rows of a piece that
+/// starts at the given row, and returns the first row that it rejects, with the reason. `report` is
+/// called with the share that is done.
+pub fn fill<'py>(
+    py: Python<'py>,
+    mut columns: Columns,
     (cut, threads, report): (Cut, Threads, Option<&Bound<'_, PyAny>>),
-    solve: impl Fn(usize, usize, C::Rows<'_>) -> Result<(), (usize, String)> + Sync,
+    solve: impl Fn(usize, usize, Rows<'_>) -> Result<(), (usize, String)> + Sync,
     error: fn(String) -> PyErr,
-) -> PyResult<()> {
+) -> PyResult<Bound<'py, PyDict>> {
     let Cut { count, piece, step } = cut;
     let pool = if threads.is_one() || count.min(step) <= piece { None } else { Some(threads::pool(threads)?) };
     let mut start = 0;
@@ -82,7 +70,7 @@ pub fn fill_into<C: Columns>(
         let end = cut.end(start);
         // The first rejected row, whichever thread finds it.
         let rejected: Mutex<Option<(usize, String)>> = Mutex::new(None);
-        let run = |(index, rows): (usize, C::Rows<'_>)| {
+        let run = |(index, rows): (usize, Rows<'_>)| {
             let first = start + index * piece;
             if let Err(found) = solve(first, end.min(first.saturating_add(piece)) - first, rows) {
                 let mut rejected = rejected.lock().unwrap_or_else(PoisonError::into_inner);
@@ -91,7 +79,7 @@ pub fn fill_into<C: Columns>(
                 }
             }
         };
-        let columns = &mut *columns;
+        let columns = &mut columns;
         py.detach(|| {
             let pieces = columns.pieces(start..end, piece);
             match &pool {
@@ -108,7 +96,7 @@ pub fn fill_into<C: Columns>(
         }
         start = end;
     }
-    Ok(())
+    columns.into_arrays(py)
 }
 
 /// Pairs, the poses of the second shapes in the frames of the first, and how to go through them.
@@ -138,18 +126,19 @@ impl<'p> Task<'p> {
 
     /// Answers the query of each row but those whose answer is `known`; `write` writes an answer to
     /// a row.
-    pub fn solve<'py, C: Columns, T, Q: Fn([&SharedGeometry; 2], Pose, &mut Cache) -> T>(
+    pub fn solve<'py, T, Q: Fn([&SharedGeometry; 2], Pose, &mut Cache) -> T>(
         &self,
         py: Python<'py>,
         (name, takes_parts): (&str, bool),
+        columns: Columns,
         query: impl Fn(usize) -> Result<Q, String> + Sync,
         known: impl Fn(usize) -> Option<T> + Sync,
-        write: impl Fn(&mut C::Rows<'_>, usize, &T) + Sync,
+        write: impl Fn(&mut Rows<'_>, usize, &T) + Sync,
     ) -> PyResult<Bound<'py, PyDict>> {
         self.pairs.check(name, takes_parts)?;
         let step = self.memory.map_or(usize::MAX, |memory| memory.len().max(1));
         let cut = Cut { step, ..Cut::free(self.count, self.piece) };
-        let solve = |first: usize, count: usize, mut rows: C::Rows<'_>| {
+        let solve = |first: usize, count: usize, mut rows: Rows<'_>| {
             let mut own = self.pairs.sides(first).map_or_else(Cache::new, cache_of);
             for at in 0..count {
                 let row = first + at;
@@ -174,6 +163,6 @@ impl<'p> Task<'p> {
             }
             Ok(())
         };
-        fill::<C>(py, cut, self.threads, solve, PoseError::new_err)?.into_arrays(py)
+        fill(py, columns, (cut, self.threads, None), solve, PoseError::new_err)
     }
 }

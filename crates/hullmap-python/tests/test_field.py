@@ -33,7 +33,7 @@ def test_heights_and_rays_are_those_of_the_planes(field):
     (low_x, low_y, _), (high_x, high_y, _) = field.bounds
     where = rng.uniform((low_x, low_y), (high_x, high_y), (300, 2))
     hit = field.ray(np.column_stack((where, np.full(300, 5.0))), [0, 0, -1])
-    a, b, c = field.vertices[field.triangles[hit.parts]].transpose(1, 0, 2)
+    a, b, c = field.vertices[field.triangles[hit.part]].transpose(1, 0, 2)
     normal = np.cross(b - a, c - a)
     # The height of the plane of the triangle at this place.
     plane = a[:, 2] - (normal[:, :2] * (where - a[:, :2])).sum(1) / normal[:, 2]
@@ -41,7 +41,7 @@ def test_heights_and_rays_are_those_of_the_planes(field):
     in_hole = field.holes[cell[:, 1], cell[:, 0]]
     assert (hit.hit == ~in_hole).all() and in_hole.sum() > 3
     assert np.allclose(5.0 - hit.t[~in_hole], plane[~in_hole], atol=1e-9)
-    assert (hit.parts[~in_hole] // 2 == (cell[:, 1] * 8 + cell[:, 0])[~in_hole]).all()
+    assert (hit.part[~in_hole] // 2 == (cell[:, 1] * 8 + cell[:, 0])[~in_hole]).all()
     heights = field.heights_at(where)
     assert (np.isnan(heights) == in_hole).all() and np.allclose(heights[~in_hole], plane[~in_hole], atol=1e-9)
     assert np.isnan(field.heights_at([[99, 0], [0, np.nan]])).all() and field.heights_at([0.1, 0.1]).shape == ()

@@ -60,7 +60,7 @@ def test_rays_hit_the_triangle_below(mesh):
     where = np.random.default_rng(SEED + 1).uniform(-2.9, 2.9, (200, 2))
     hit = mesh.ray(np.column_stack((where, np.full(200, 5.0))), [0, 0, -1])
     assert hit.hit.all()
-    corners = mesh.vertices.astype(float)[mesh.triangles[hit.parts]]
+    corners = mesh.vertices.astype(float)[mesh.triangles[hit.part]]
     a, b, c = corners.transpose(1, 0, 2)
     normal = np.cross(b - a, c - a)
     # The height of the plane of the triangle at this place.

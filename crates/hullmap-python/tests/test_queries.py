@@ -235,7 +235,7 @@ def test_packs_meet_packs_planes_and_rays(pair_of_cubes):
     floor = hullmap.HalfSpace([1, 0, 0], 0.0)
     assert floor.contact(pack, hullmap.poses([-3.5, 0, 0])).depth == pytest.approx(3.5)
     hits = pack.ray([[-1, 0.5, 0.5], [9, 0.5, 0.5], [2, 0.5, 5]], [[1, 0, 0], [-1, 0, 0], [0, 0, -1]])
-    assert np.allclose(hits.t, [1, 5, np.inf]) and hits.parts.tolist()[:2] == [0, 1]
+    assert np.allclose(hits.t, [1, 5, np.inf]) and hits.part.tolist()[:2] == [0, 1]
     assert (hits.t_lower <= hits.t).all() and (hits.t <= hits.t_upper).all()
     with pytest.raises(hullmap.ShapeError, match="takes convex shapes, found a pack: query it by manifolds"):
         pack[0].manifold(pack, between)
@@ -284,7 +284,7 @@ def test_signed_distances_of_a_pack_are_those_of_the_nearest_hull(pair_of_cubes,
     assert 0.02 < (truth < 0).mean() < 0.3
     assert (found.lower <= truth + 1e-12).all() and (truth <= found.upper + 1e-12).all()
     assert np.allclose(found.distance, truth, rtol=1e-5, atol=1e-9)
-    assert np.array_equal(found.parts, each.argmin(axis=0)) and set(found.parts.tolist()) == {0, 1}
+    assert np.array_equal(found.part, each.argmin(axis=0)) and set(found.part.tolist()) == {0, 1}
     assert np.allclose(np.linalg.norm(found.point - points, axis=1), abs(truth), rtol=1e-4, atol=1e-9)
     assert pair_of_cubes.signed_distance([0.5, 0.5, 0.75]).distance == pytest.approx(-0.25)
     with pytest.raises(hullmap.ArrayError, match=r"points\[1\]"):
@@ -295,7 +295,7 @@ def test_where_hulls_overlap_the_deeper_one_decides():
     long = (CUBE * [2, 1, 1], CUBE * [1, 2, 1])
     pack = hullmap.bake_parts([(part, None) for part in long])
     found = pack.signed_distance([[0, 0, 0], [1.5, 0, 0], [0, 1.5, 0.9], [1.25, 1.5, 0]])
-    assert np.allclose(found.distance, [-1, -0.5, -0.1, 0.25]) and found.parts.tolist()[1:] == [0, 1, 1]
+    assert np.allclose(found.distance, [-1, -0.5, -0.1, 0.25]) and found.part.tolist()[1:] == [0, 1, 1]
 
 
 def test_manifolds_of_packs_are_those_of_their_hulls(pair_of_cubes):

@@ -265,6 +265,11 @@ def test_robots_without_joints_or_pairs(folder: pathlib.Path) -> None:
     assert not robot.in_collision(np.zeros((0, 0))).size
     edge = robot.clear(np.zeros(0), np.zeros(0))
     assert edge.verdict == hullmap.Verdict.FREE and np.isinf(edge.clearance)
+    links = [f'<link name="{name}"/>' for name in "ab"]
+    joint = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>'
+    (folder / "two.urdf").write_text(f'<robot name="r">{"".join(links)}{joint}</robot>')
+    found = hullmap.Robot.from_urdf(folder / "two.urdf").clearance(np.zeros((3, 1)), gradient=True)
+    assert found.gradient.shape == (3, 1) and found[0].gradient.shape == (1,)
 
 
 def test_a_robot_of_an_sdf_file(tmp_path: pathlib.Path) -> None:

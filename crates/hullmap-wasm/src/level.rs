@@ -4,15 +4,15 @@ use std::path::Path;
 use std::sync::Arc;
 
 use hullmap::compound::SharedSheet;
-use hullmap::glam::{DVec3, Vec3};
-use hullmap::{Cache, CastSettings, EdgeClass, HeightField, Impact, Motion, SharedGeometry, TriangleMesh};
+use hullmap::glam::Vec3;
+use hullmap::{Cache, CastSettings, EdgeClass, HeightField, Motion, SharedGeometry, TriangleMesh};
 use hullmap_cli::{InMemoryError, bake_level};
 use hullmap_import::SourceFile;
 use hullmap_report::mesh::edges_by_class;
 use js_sys::{Float64Array, Uint32Array};
 use wasm_bindgen::prelude::*;
 
-use crate::object::{Field, Plain, error, vector_from};
+use crate::object::{Plain, error, vector_from};
 use crate::options::{BakeOptions, Options, in_javascript};
 use crate::pair::pose_of;
 use crate::shape::{Body, Shape, geometry_of};
@@ -21,25 +21,6 @@ use crate::shape::{Body, Shape, geometry_of};
 const TYPES: &str = r#"
 /** Where the neighbour of a triangle beyond an edge is. */
 export type EdgeClass = "border" | "flat" | "convex" | "concave" | "non-manifold" | "reversed";
-
-/** When a body that moves along a line first meets a level. All is in the level's frame. */
-export interface Impact {
-    /** False only if the body certainly misses the level up to `maxT`. */
-    hit: boolean;
-    status: Status;
-    /** The body has moved by t times the velocity; infinite without a hit. */
-    t: number;
-    /** t is certainly in this interval. */
-    tLower: number;
-    tUpper: number;
-    /** Unit vector from the level to the body. */
-    normal: Float64Array;
-    /** Where they meet. */
-    pointA: Float64Array;
-    pointB: Float64Array;
-    /** Indices of the triangle and of the body's hull that meet. */
-    parts: Uint32Array;
-}
 "#;
 
 #[wasm_bindgen]
@@ -235,20 +216,7 @@ impl Level {
         let usual = CastSettings::default();
         let settings = CastSettings { max_t: max_t.unwrap_or(usual.max_t), ..usual };
         let found = hullmap::cast(&self.sheet, &body, pose, motion, &settings, &mut Cache::new());
-        let Impact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, parts, .. } = found;
-        let [point_a, point_b] = if hit { [point_a, point_b] } else { [DVec3::NAN; 2] };
-        let fields = [
-            ("hit", Field::Flag(hit)),
-            ("status", Field::Word(status.as_str())),
-            ("t", Field::Number(t)),
-            ("tLower", Field::Number(t_lower)),
-            ("tUpper", Field::Number(t_upper)),
-            ("normal", Field::Vector(normal)),
-            ("pointA", Field::Vector(point_a)),
-            ("pointB", Field::Vector(point_b)),
-            ("parts", Field::Parts(parts)),
-        ];
-        Ok(Plain::from_fields(&fields).done())
+        Ok(Plain::from_answer(&found).done())
     }
 }
 

@@ -4,28 +4,13 @@
 use std::cell::RefCell;
 
 use hullmap::glam::DVec3;
+use hullmap::{Fields, Value};
 use js_sys::{Array, Float64Array, Object, Reflect, Uint8Array, Uint32Array};
 use wasm_bindgen::prelude::*;
 
-/// A field of an answer.
-#[derive(Clone, Copy, Debug)]
-pub enum Field {
-    /// True or false; in an array, 1 or 0.
-    Flag(bool),
-    /// One of a few words.
-    Word(&'static str),
-    /// A count or an index.
-    Count(u32),
-    /// A number.
-    Number(f64),
-    /// A vector of three numbers.
-    Vector(DVec3),
-    /// Indices of hulls in A and in B.
-    Parts([u32; 2]),
-}
-
-/// The fields of one answer, by their names in JavaScript.
-pub type Fields = Vec<(&'static str, Field)>;
+/// Types of answers, with the comments of the structs in Rust.
+#[wasm_bindgen(typescript_custom_section)]
+const ANSWERS: &str = include_str!("answers.d.ts");
 
 /// An object under construction.
 pub struct Plain(Object);
@@ -36,22 +21,29 @@ impl Plain {
         Self(Object::new())
     }
 
-    /// One answer.
-    pub fn from_fields(fields: &[(&'static str, Field)]) -> Self {
-        fields.iter().fold(Self::new(), |plain, &(key, field)| match field {
-            Field::Flag(is) => plain.with(key, is),
-            Field::Word(word) => plain.with(key, word_of(word)),
-            Field::Count(count) => plain.with(key, count),
-            Field::Number(number) => plain.with(key, number),
-            Field::Vector(vector) => plain.with(key, vector_of(vector)),
-            Field::Parts(parts) => plain.with(key, parts_of(parts)),
+    /// One answer, with its fields in the names of JavaScript.
+    pub fn from_answer(answer: &impl Fields) -> Self {
+        answer.fields().fold(Self::new(), |plain, (name, value)| {
+            let value = match value {
+                Value::Flag(is) => is.into(),
+                Value::Word(word, _) => word_of(word),
+                Value::Count(count) => count.into(),
+                Value::Number(number) => number.into(),
+                Value::Vector(vector) => vector_of(vector).into(),
+                Value::Parts(parts) => parts_of(parts).into(),
+            };
+            plain.with_key(&key_of(name), &value)
         })
     }
 
     /// Adds a property.
     pub fn with(self, key: &'static str, value: impl Into<JsValue>) -> Self {
+        self.with_key(&word_of(key), &value.into())
+    }
+
+    fn with_key(self, key: &JsValue, value: &JsValue) -> Self {
         // Setting a property of a plain object cannot fail.
-        let _ = Reflect::set(&self.0, &word_of(key), &value.into());
+        let _ = Reflect::set(&self.0, key, value);
         self
     }
 
@@ -70,16 +62,26 @@ enum Column {
 }
 
 impl Column {
-    fn push(&mut self, field: Field) {
-        match (self, field) {
-            (Self::Flags(column), Field::Flag(is)) => column.push(is.into()),
-            (Self::Words(column), Field::Word(word)) => {
+    /// An empty column for values like this one.
+    fn like(value: Value) -> Self {
+        match value {
+            Value::Flag(_) => Self::Flags(Vec::new()),
+            Value::Word(..) => Self::Words(Array::new()),
+            Value::Count(_) | Value::Parts(_) => Self::Counts(Vec::new()),
+            Value::Number(_) | Value::Vector(_) => Self::Numbers(Vec::new()),
+        }
+    }
+
+    fn push(&mut self, value: Value) {
+        match (self, value) {
+            (Self::Flags(column), Value::Flag(is)) => column.push(is.into()),
+            (Self::Words(column), Value::Word(word, _)) => {
                 column.push(&word_of(word));
             }
-            (Self::Counts(column), Field::Count(count)) => column.push(count),
-            (Self::Counts(column), Field::Parts(parts)) => column.extend(parts),
-            (Self::Numbers(column), Field::Number(number)) => column.push(number),
-            (Self::Numbers(column), Field::Vector(vector)) => column.extend(vector.to_array()),
+            (Self::Counts(column), Value::Count(count)) => column.push(count),
+            (Self::Counts(column), Value::Parts(parts)) => column.extend(parts),
+            (Self::Numbers(column), Value::Number(number)) => column.push(number),
+            (Self::Numbers(column), Value::Vector(vector)) => column.extend(vector.to_array()),
             // The answers of one query have the same fields.
             _ => {}
         }
@@ -90,51 +92,71 @@ impl Column {
 pub struct Columns(Vec<(&'static str, Column)>);
 
 impl Columns {
-    /// Empty columns for answers with these fields.
-    pub fn like(fields: &[(&'static str, Field)]) -> Self {
-        let column = |&(key, field): &(&'static str, Field)| match field {
-            Field::Flag(_) => (key, Column::Flags(Vec::new())),
-            Field::Word(_) => (key, Column::Words(Array::new())),
-            Field::Count(_) | Field::Parts(_) => (key, Column::Counts(Vec::new())),
-            Field::Number(_) | Field::Vector(_) => (key, Column::Numbers(Vec::new())),
-        };
-        Self(fields.iter().map(column).collect())
+    /// Empty columns for the fields of an answer.
+    pub fn of<A: Fields>() -> Self {
+        Self(A::default().fields().map(|(name, value)| (name, Column::like(value))).collect())
     }
 
     /// Adds an answer.
-    pub fn push(&mut self, fields: &[(&'static str, Field)]) {
-        for ((_, column), &(_, field)) in self.0.iter_mut().zip(fields) {
-            column.push(field);
+    pub fn push(&mut self, answer: &impl Fields) {
+        for ((_, column), (_, value)) in self.0.iter_mut().zip(answer.fields()) {
+            column.push(value);
         }
     }
 
     /// The arrays, as the interface that TypeScript knows.
     pub fn done<T: JsCast>(self) -> T {
-        let plain = self.0.into_iter().fold(Plain::new(), |plain, (key, column)| match column {
-            Column::Flags(column) => plain.with(key, Uint8Array::from(column.as_slice())),
-            Column::Words(column) => plain.with(key, column),
-            Column::Counts(column) => plain.with(key, Uint32Array::from(column.as_slice())),
-            Column::Numbers(column) => plain.with(key, Float64Array::from(column.as_slice())),
+        let plain = self.0.into_iter().fold(Plain::new(), |plain, (name, column)| {
+            let array = match column {
+                Column::Flags(column) => Uint8Array::from(column.as_slice()).into(),
+                Column::Words(column) => column.into(),
+                Column::Counts(column) => Uint32Array::from(column.as_slice()).into(),
+                Column::Numbers(column) => Float64Array::from(column.as_slice()).into(),
+            };
+            plain.with_key(&key_of(name), &array)
         });
         plain.done()
     }
 }
 
+/// Strings of JavaScript, by the words that they were made from.
+type Known = RefCell<Vec<(&'static str, JsValue)>>;
+
 thread_local! {
-    /// Names of fields and words of answers as strings of JavaScript: about forty.
-    static WORDS: RefCell<Vec<(&'static str, JsValue)>> = const { RefCell::new(Vec::new()) };
+    /// Words of answers, and names of properties: about forty.
+    static WORDS: Known = const { RefCell::new(Vec::new()) };
+    /// Names of fields, in the style of JavaScript.
+    static KEYS: Known = const { RefCell::new(Vec::new()) };
 }
 
-/// A word as a string of JavaScript, which is made once: that takes longer than a short query.
+/// A string of JavaScript, which is made once: that takes longer than a short query.
+fn once(known: &Known, word: &'static str, make: impl FnOnce() -> JsValue) -> JsValue {
+    let mut known = known.borrow_mut();
+    if let Some((_, known)) = known.iter().find(|(text, _)| *text == word) {
+        return known.clone();
+    }
+    let made = make();
+    known.push((word, made.clone()));
+    made
+}
+
+/// A word as a string of JavaScript.
 pub fn word_of(word: &'static str) -> JsValue {
-    WORDS.with_borrow_mut(|words| {
-        if let Some((_, known)) = words.iter().find(|(text, _)| *text == word) {
-            return known.clone();
+    WORDS.with(|known| once(known, word, || JsValue::from_str(word)))
+}
+
+/// The name of a field in JavaScript: `depth_lower` is `depthLower`.
+fn key_of(name: &'static str) -> JsValue {
+    let make = || {
+        let mut words = name.split('_');
+        let mut key = words.next().unwrap_or_default().to_owned();
+        for word in words {
+            let (first, rest) = word.split_at_checked(1).unwrap_or_default();
+            key.extend([&first.to_ascii_uppercase(), rest]);
         }
-        let made = JsValue::from_str(word);
-        words.push((word, made.clone()));
-        made
-    })
+        JsValue::from_str(&key)
+    };
+    KEYS.with(|known| once(known, name, make))
 }
 
 /// Indices of hulls as a `Uint32Array` of two.

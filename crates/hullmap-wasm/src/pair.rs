@@ -2,65 +2,16 @@
 
 use hullmap::glam::{DQuat, DVec3};
 use hullmap::{
-    Cache, CompoundManifolds, Contact, Distance, Intersection, ManifoldSettings, Pose, Settings, SharedGeometry,
+    Cache, CompoundManifolds, Contact, Distance, Fields, Intersection, ManifoldSettings, Pose, Settings, SharedGeometry,
 };
 use js_sys::Array;
 use wasm_bindgen::prelude::*;
 
-use crate::object::{Columns, Field, Fields, Plain, error, parts_of, vector_of, word_of};
+use crate::object::{Columns, Plain, error, parts_of, vector_of, word_of};
 use crate::shape::{Body, geometry_of};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** How a query ended, and thus how narrow its interval is. */
-export type Status =
-    "exact" | "within" | "touching" | "overlapping" | "separated" | "iteration_limit" | "stalled";
-
-/** Whether bodies share a point. */
-export type Overlap = "separated" | "overlapping" | "touching" | "undecided";
-
-/** Penetration depth of two bodies. Points and directions are in A's frame. */
-export interface Contact {
-    /** False only if a separating plane proves the bodies separated. */
-    hit: boolean;
-    status: Status;
-    /** Moving B by this length along `normal` makes the bodies touch. */
-    depth: number;
-    /** The depth is certainly in this interval. */
-    depthLower: number;
-    depthUpper: number;
-    /** Unit vector from A to B. NaN, as the points, for packs and levels that are separated. */
-    normal: Float64Array;
-    /** The point of A that is deepest in B. */
-    pointA: Float64Array;
-    /** The point of B that is deepest in A. */
-    pointB: Float64Array;
-    iterations: number;
-    supportCalls: number;
-    /** Indices of the hulls or triangles that decided the answer; 0 for a convex body. */
-    parts: Uint32Array;
-}
-
-/** Distance of two bodies. Points and directions are in A's frame. */
-export interface Distance {
-    status: Status;
-    /** 0 if the bodies overlap or touch. */
-    distance: number;
-    /** The distance is certainly in this interval. */
-    lower: number;
-    upper: number;
-    /** Unit vector from A to B. */
-    normal: Float64Array;
-    /** The point of A closest to B. */
-    pointA: Float64Array;
-    /** The point of B closest to A. */
-    pointB: Float64Array;
-    iterations: number;
-    supportCalls: number;
-    /** Indices of the hulls or triangles that decided the answer; 0 for a convex body. */
-    parts: Uint32Array;
-}
-
 /** One point of a contact manifold, in A's frame. */
 export interface ManifoldPoint {
     pointA: Float64Array;
@@ -83,49 +34,6 @@ export interface ContactManifold {
     points: ManifoldPoint[];
     /** Number of pairs of hulls that touch but were left out, because more than 64 pairs touch. */
     dropped: number;
-}
-
-/** Answers for many poses: the fields of `Contact` as arrays. `hit` is 1 or 0. */
-export interface Contacts {
-    hit: Uint8Array;
-    status: Status[];
-    depth: Float64Array;
-    depthLower: Float64Array;
-    depthUpper: Float64Array;
-    /** Three numbers for each pose, as `pointA` and `pointB`. */
-    normal: Float64Array;
-    pointA: Float64Array;
-    pointB: Float64Array;
-    iterations: Uint32Array;
-    supportCalls: Uint32Array;
-    /** Two indices for each pose. */
-    parts: Uint32Array;
-}
-
-/** Answers for many poses: the fields of `Distance` as arrays. */
-export interface Distances {
-    status: Status[];
-    distance: Float64Array;
-    lower: Float64Array;
-    upper: Float64Array;
-    /** Three numbers for each pose, as `pointA` and `pointB`. */
-    normal: Float64Array;
-    pointA: Float64Array;
-    pointB: Float64Array;
-    iterations: Uint32Array;
-    supportCalls: Uint32Array;
-    /** Two indices for each pose. */
-    parts: Uint32Array;
-}
-
-/** Answers for many poses. `hit` is 1 unless the bodies are certainly separated. */
-export interface Intersections {
-    hit: Uint8Array;
-    status: Overlap[];
-    iterations: Uint32Array;
-    supportCalls: Uint32Array;
-    /** Two indices for each pose. */
-    parts: Uint32Array;
 }
 "#;
 
@@ -186,11 +94,10 @@ impl QueryPair {
     }
 
     /// The answers of `query` for many poses, each as if it were the first.
-    fn batch<A: Default, T: JsCast>(
+    fn batch<A: Fields, T: JsCast>(
         &mut self,
         poses: &[f64],
         query: impl Fn(&mut Self, Pose) -> A,
-        fields: impl Fn(&A) -> Fields,
     ) -> Result<T, JsError> {
         let (rows, rest) = poses.as_chunks::<7>();
         if !rest.is_empty() {
@@ -199,56 +106,15 @@ impl QueryPair {
                 "poses must have seven numbers each, tx ty tz qx qy qz qw, found {found} in all"
             )));
         }
-        let mut columns = Columns::like(&fields(&A::default()));
+        let mut columns = Columns::of::<A>();
         for (index, row) in rows.iter().enumerate() {
             self.forget();
             let pose = read_pose(row).map_err(|fault| error(format!("pose {index}: {fault}")))?;
-            columns.push(&fields(&query(self, pose)));
+            columns.push(&query(self, pose));
         }
         self.forget();
         Ok(columns.done())
     }
-}
-
-fn intersection_fields(found: &Intersection) -> Fields {
-    vec![
-        ("hit", Field::Flag(found.is_hit())),
-        ("status", Field::Word(found.status.as_str())),
-        ("iterations", Field::Count(found.iterations)),
-        ("supportCalls", Field::Count(found.support_calls)),
-        ("parts", Field::Parts(found.parts)),
-    ]
-}
-
-fn contact_fields(found: &Contact) -> Fields {
-    vec![
-        ("hit", Field::Flag(found.hit)),
-        ("status", Field::Word(found.status.as_str())),
-        ("depth", Field::Number(found.depth)),
-        ("depthLower", Field::Number(found.depth_lower)),
-        ("depthUpper", Field::Number(found.depth_upper)),
-        ("normal", Field::Vector(found.normal)),
-        ("pointA", Field::Vector(found.point_a)),
-        ("pointB", Field::Vector(found.point_b)),
-        ("iterations", Field::Count(found.iterations)),
-        ("supportCalls", Field::Count(found.support_calls)),
-        ("parts", Field::Parts(found.parts)),
-    ]
-}
-
-fn distance_fields(found: &Distance) -> Fields {
-    vec![
-        ("status", Field::Word(found.status.as_str())),
-        ("distance", Field::Number(found.distance)),
-        ("lower", Field::Number(found.lower)),
-        ("upper", Field::Number(found.upper)),
-        ("normal", Field::Vector(found.normal)),
-        ("pointA", Field::Vector(found.point_a)),
-        ("pointB", Field::Vector(found.point_b)),
-        ("iterations", Field::Count(found.iterations)),
-        ("supportCalls", Field::Count(found.support_calls)),
-        ("parts", Field::Parts(found.parts)),
-    ]
 }
 
 #[wasm_bindgen(js_class = Pair)]
@@ -293,7 +159,7 @@ impl QueryPair {
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] pose: &[f64],
     ) -> Result<ContactAnswer, JsError> {
-        Ok(Plain::from_fields(&contact_fields(&self.find_contact(pose_of(pose)?))).done())
+        Ok(Plain::from_answer(&self.find_contact(pose_of(pose)?)).done())
     }
 
     /// Distance, with its interval, normal and witness points.
@@ -304,7 +170,7 @@ impl QueryPair {
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] pose: &[f64],
     ) -> Result<DistanceAnswer, JsError> {
-        Ok(Plain::from_fields(&distance_fields(&self.find_distance(pose_of(pose)?))).done())
+        Ok(Plain::from_answer(&self.find_distance(pose_of(pose)?)).done())
     }
 
     /// Whether the bodies share a point, for many poses of seven numbers each. Each is answered as
@@ -316,7 +182,7 @@ impl QueryPair {
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] poses: &[f64],
     ) -> Result<Intersections, JsError> {
-        self.batch(poses, Self::find_intersection, intersection_fields)
+        self.batch(poses, Self::find_intersection)
     }
 
     /// Contacts for many poses, as `intersections`.
@@ -327,7 +193,7 @@ impl QueryPair {
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] poses: &[f64],
     ) -> Result<Contacts, JsError> {
-        self.batch(poses, Self::find_contact, contact_fields)
+        self.batch(poses, Self::find_contact)
     }
 
     /// Distances for many poses, as `intersections`.
@@ -338,7 +204,7 @@ impl QueryPair {
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] poses: &[f64],
     ) -> Result<Distances, JsError> {
-        self.batch(poses, Self::find_distance, distance_fields)
+        self.batch(poses, Self::find_distance)
     }
 
     /// Contact manifold: up to four points for each pair of hulls, kept from query to query.
@@ -358,18 +224,17 @@ impl QueryPair {
             // One object each for all points of a pair.
             let (own, parts) = (vector_of(manifold.normal()), parts_of(parts.map(|part| part as u32)));
             for point in manifold.points() {
-                let fields = [
-                    ("pointA", Field::Vector(point.point_a)),
-                    ("pointB", Field::Vector(point.point_b)),
-                    ("depth", Field::Number(point.depth)),
-                    ("status", Field::Word(manifold.status().as_str())),
-                ];
-                let plain = Plain::from_fields(&fields).with("normal", &own).with("parts", &parts);
+                let plain = Plain::new()
+                    .with("pointA", vector_of(point.point_a))
+                    .with("pointB", vector_of(point.point_b))
+                    .with("depth", point.depth)
+                    .with("status", word_of(manifold.status().as_str()))
+                    .with("normal", &own)
+                    .with("parts", &parts);
                 points.push(&plain.done::<JsValue>());
             }
         }
-        let dropped = counts.dropped;
-        let plain = Plain::from_fields(&[("normal", Field::Vector(normal)), ("dropped", Field::Count(dropped))]);
+        let plain = Plain::new().with("normal", vector_of(normal)).with("dropped", counts.dropped);
         Ok(plain.with("points", points).done())
     }
 }

@@ -1,52 +1,16 @@
 //! Shapes that can be queried: hulls, packs as the union of their hulls, primitives, half-spaces,
 //! levels; and rays against them.
 
-use hullmap::glam::DVec3;
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Segment, Sphere, Triangle};
 use hullmap::{CastSettings, Ray, RayHit, ShapeError, SharedGeometry};
 use wasm_bindgen::prelude::*;
 
-use crate::object::{Columns, Field, Fields, Plain, error, rows_of, vector_from};
+use crate::object::{Columns, Plain, error, rows_of, vector_from};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
 /** A body of a pair: a hull, a pack as the union of its hulls, a shape, or a level. */
 export type Body = Hull | Pack | Shape | Level;
-
-/** Where a ray enters a shape. */
-export interface RayHit {
-    /** False only if the ray certainly misses the shape up to `maxT`. */
-    hit: boolean;
-    status: Status;
-    /** The ray enters the shape at `origin + t direction`; infinite without a hit. */
-    t: number;
-    /** t is certainly in this interval. */
-    tLower: number;
-    tUpper: number;
-    /** The point at t. */
-    point: Float64Array;
-    /** Outward unit normal of the shape there. */
-    normal: Float64Array;
-    /** Index of the hull or the triangle that is hit; 0 for a convex shape. */
-    part: number;
-    iterations: number;
-    supportCalls: number;
-}
-
-/** Answers of many rays: the fields of `RayHit` as arrays. `hit` is 1 or 0. */
-export interface RayHits {
-    hit: Uint8Array;
-    status: Status[];
-    t: Float64Array;
-    tLower: Float64Array;
-    tUpper: Float64Array;
-    /** Three numbers for each ray, as `normal`. */
-    point: Float64Array;
-    normal: Float64Array;
-    part: Uint32Array;
-    iterations: Uint32Array;
-    supportCalls: Uint32Array;
-}
 "#;
 
 #[wasm_bindgen]
@@ -74,21 +38,6 @@ extern "C" {
 pub fn geometry_of(name: &str, body: &Body) -> Result<SharedGeometry, JsError> {
     let wrong = |_| error(format!("{name}: expected a Hull, a Pack, a Shape or a Level that was not freed"));
     body.shape_of().map(|shape| shape.0).map_err(wrong)
-}
-
-fn fields(found: &RayHit) -> Fields {
-    vec![
-        ("hit", Field::Flag(found.hit)),
-        ("status", Field::Word(found.status.as_str())),
-        ("t", Field::Number(found.t)),
-        ("tLower", Field::Number(found.t_lower)),
-        ("tUpper", Field::Number(found.t_upper)),
-        ("point", Field::Vector(found.point)),
-        ("normal", Field::Vector(found.normal)),
-        ("part", Field::Count(found.part)),
-        ("iterations", Field::Count(found.iterations)),
-        ("supportCalls", Field::Count(found.support_calls)),
-    ]
 }
 
 /// A shape: a primitive, a half-space, a hull, or the union of all hulls of a pack.
@@ -198,7 +147,7 @@ impl Shape {
         #[wasm_bindgen(js_name = maxT)] max_t: Option<f64>,
     ) -> Result<Hit, JsError> {
         let ray = Ray::new(vector_from("origin", origin)?, vector_from("direction", direction)?).map_err(error)?;
-        Ok(Plain::from_fields(&fields(&hullmap::ray(&self.0, &ray, &settings(max_t)))).done())
+        Ok(Plain::from_answer(&hullmap::ray(&self.0, &ray, &settings(max_t))).done())
     }
 
     /// Many rays, three numbers for each origin and direction. One origin or direction serves for
@@ -221,15 +170,13 @@ impl Shape {
         let settings = settings(max_t);
         let count = if starts == 1 { ways } else { starts };
         let (mut origins, mut directions) = (origins.iter().cycle(), directions.iter().cycle());
-        // All answers have the same kinds of fields.
-        let any = Ray::new(DVec3::ZERO, DVec3::ZERO).map_err(error)?;
-        let mut columns = Columns::like(&fields(&hullmap::ray(&self.0, &any, &settings)));
+        let mut columns = Columns::of::<RayHit>();
         for index in 0..count {
             // An endless iterator, unless the array is empty.
             let (Some(&origin), Some(&direction)) = (origins.next(), directions.next()) else { break };
             let ray = Ray::new(origin.into(), direction.into());
             let ray = ray.map_err(|fault| error(format!("ray {index}: {fault}")))?;
-            columns.push(&fields(&hullmap::ray(&self.0, &ray, &settings)));
+            columns.push(&hullmap::ray(&self.0, &ray, &settings));
         }
         Ok(columns.done())
     }

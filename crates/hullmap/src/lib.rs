@@ -248,6 +248,7 @@ pub mod compound;
 mod continuous;
 mod derivatives;
 mod facets;
+mod fields;
 mod file;
 pub mod geometry;
 pub mod height_field;
@@ -271,6 +272,7 @@ pub use continuous::{ClearSettings, Clearance, MotionSettings, RigidMotion, Time
 pub use derivatives::{Derivatives, Differentiability, PoseDerivative, WitnessDerivatives, WitnessJacobian};
 #[doc(hidden)]
 pub use facets::Facets;
+pub use fields::{Fields, Value};
 pub use geometry::{Geometry, SharedGeometry};
 pub use glam;
 pub use height_field::HeightField;

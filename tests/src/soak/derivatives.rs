@@ -192,7 +192,7 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
                 _ if rounding > 0.1 * SMOOTH => "too near to judge",
                 None => "kink in the step",
                 Some(truth) => {
-                    let own = row(&found.of_a.to_array(), &found.of_b.to_array(), lever);
+                    let own = row(&found.by_a.to_array(), &found.by_b.to_array(), lever);
                     judge.at_most(kind, off(&[own], &truth), 0.0, TOLERANCE);
                     "judged"
                 }
@@ -244,7 +244,7 @@ fn judge_witness(
         Differentiability::Unique => match differences(poses, [step, step / lever], 3, &answer) {
             None => "witness: kink in the step",
             Some(truth) => {
-                let (by_a, by_b) = (found.of_a, found.of_b);
+                let (by_a, by_b) = (found.by_a, found.by_b);
                 let rows = |by_a: [[f64; 6]; 3], by_b: [[f64; 6]; 3]| {
                     std::array::from_fn::<Row, 3, _>(|i| row(&by_a[i], &by_b[i], lever))
                 };

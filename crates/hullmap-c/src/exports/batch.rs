@@ -5,7 +5,7 @@ use crate::batch;
 use crate::border::{self, call};
 use crate::failure::{Failure, Fallible};
 use crate::handles::{Cache, Manifold, Shape};
-use crate::query;
+use crate::query::CheckedPair;
 use crate::types::{Contact, Distance, Intersection, ManifoldPoints, ManifoldSettings, Pose, Result, Settings};
 
 /// Two shapes and the pose of B in A's frame.
@@ -24,25 +24,16 @@ pub struct ShapePair {
 ///
 /// # Safety
 /// The pointers are as the rules at the head of the header require.
-unsafe fn pairs<'p>(pairs: *const ShapePair, count: usize) -> Fallible<Vec<batch::CheckedPair<'p>>> {
+unsafe fn pairs<'p>(pairs: *const ShapePair, count: usize) -> Fallible<Vec<CheckedPair<'p>>> {
     // SAFETY: this function's contract.
     let pairs = unsafe { border::array("pairs", pairs, count)? };
     let mut found = Vec::with_capacity(count);
     for (index, pair) in pairs.iter().enumerate() {
         // SAFETY: this function's contract.
-        let pair = unsafe { checked(pair) };
+        let pair = unsafe { super::query::pair(pair.a, pair.b, &raw const pair.b_in_a) };
         found.push(pair.map_err(|failure: Failure| failure.of_pair(index))?);
     }
     Ok(found)
-}
-
-/// # Safety
-/// The pointers are as the rules at the head of the header require.
-unsafe fn checked<'p>(pair: &ShapePair) -> Fallible<batch::CheckedPair<'p>> {
-    // SAFETY: this function's contract.
-    let (a, b) = unsafe { (border::handle("a", pair.a)?, border::handle("b", pair.b)?) };
-    query::check_pair(a, b)?;
-    Ok(batch::CheckedPair { a, b, b_in_a: super::pose("b_in_a", pair.b_in_a)? })
 }
 
 /// An array of handles.
@@ -70,6 +61,25 @@ unsafe fn optional_caches<'h>(caches: *const *mut Cache, count: usize) -> Fallib
     unsafe { handles("caches", caches, count) }.map(Some)
 }
 
+/// Answers a query of each pair.
+///
+/// # Safety
+/// The pointers are as the rules at the head of the header require.
+unsafe fn of_pairs<S: Copy, T: Send, Q: Fn(&CheckedPair<'_>, &mut hullmap::Cache) -> T + Sync>(
+    (pairs, count): (*const ShapePair, usize),
+    (settings, caches, out): (*const S, *const *mut Cache, *mut T),
+    query: impl FnOnce(Option<S>) -> Q,
+) -> Result {
+    call(|| {
+        // SAFETY: this function's contract.
+        let (pairs, settings, caches, out) = unsafe {
+            let (pairs, settings) = (self::pairs(pairs, count)?, border::read_sized("settings", settings)?);
+            (pairs, settings, optional_caches(caches, count)?, border::answers("out", out, count)?)
+        };
+        batch::each(&pairs, caches.as_deref(), out, query(settings))
+    })
+}
+
 /// hullmap_intersects() of `count` pairs, on all cores.
 ///
 /// Pair i uses `caches[i]` and writes `out[i]`. caches may be NULL; otherwise no cache may occur
@@ -82,14 +92,14 @@ pub unsafe extern "C" fn hullmap_batch_intersects(
     caches: *const *mut Cache,
     out: *mut Intersection,
 ) -> Result {
-    call(|| {
-        // SAFETY: the caller keeps the rules at the head of the header.
-        let (pairs, caches, out) = unsafe {
-            let (pairs, caches) = (self::pairs(pairs, count)?, optional_caches(caches, count)?);
-            (pairs, caches, border::answers("out", out, count)?)
-        };
-        batch::intersects(&pairs, caches.as_deref(), out)
-    })
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe {
+        of_pairs((pairs, count), (std::ptr::null::<Settings>(), caches, out), |_| {
+            |pair: &CheckedPair<'_>, memory: &mut hullmap::Cache| {
+                hullmap::intersects(&pair.a.0, &pair.b.0, pair.b_in_a, memory)
+            }
+        })
+    }
 }
 
 /// hullmap_distance() of `count` pairs, on all cores. As hullmap_batch_intersects(); settings may
@@ -102,14 +112,15 @@ pub unsafe extern "C" fn hullmap_batch_distance(
     caches: *const *mut Cache,
     out: *mut Distance,
 ) -> Result {
-    call(|| {
-        // SAFETY: the caller keeps the rules at the head of the header.
-        let (pairs, settings, caches, out) = unsafe {
-            let (pairs, settings) = (self::pairs(pairs, count)?, border::read_sized("settings", settings)?);
-            (pairs, settings, optional_caches(caches, count)?, border::answers("out", out, count)?)
-        };
-        batch::distance(&pairs, &super::settings(settings), caches.as_deref(), out)
-    })
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe {
+        of_pairs((pairs, count), (settings, caches, out), |settings| {
+            let settings = super::settings(settings);
+            move |pair: &CheckedPair<'_>, memory: &mut hullmap::Cache| {
+                hullmap::distance(&pair.a.0, &pair.b.0, pair.b_in_a, &settings, memory)
+            }
+        })
+    }
 }
 
 /// hullmap_contact() of `count` pairs, on all cores. As hullmap_batch_intersects(); settings may be
@@ -122,14 +133,15 @@ pub unsafe extern "C" fn hullmap_batch_contact(
     caches: *const *mut Cache,
     out: *mut Contact,
 ) -> Result {
-    call(|| {
-        // SAFETY: the caller keeps the rules at the head of the header.
-        let (pairs, settings, caches, out) = unsafe {
-            let (pairs, settings) = (self::pairs(pairs, count)?, border::read_sized("settings", settings)?);
-            (pairs, settings, optional_caches(caches, count)?, border::answers("out", out, count)?)
-        };
-        batch::contact(&pairs, &super::settings(settings), caches.as_deref(), out)
-    })
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe {
+        of_pairs((pairs, count), (settings, caches, out), |settings| {
+            let settings = super::settings(settings);
+            move |pair: &CheckedPair<'_>, memory: &mut hullmap::Cache| {
+                hullmap::contact(&pair.a.0, &pair.b.0, pair.b_in_a, &settings, memory)
+            }
+        })
+    }
 }
 
 /// hullmap_manifold_update() of `count` pairs, on all cores. As hullmap_batch_intersects(): pair i

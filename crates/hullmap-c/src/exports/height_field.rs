@@ -7,7 +7,7 @@ use super::sheet;
 use crate::border::{self, Out, call};
 use crate::failure::Failure;
 use crate::handles::HeightField;
-use crate::types::{FieldGround, FieldLayout, MeshTriangle, Result};
+use crate::types::{FieldLayout, Ground, MeshTriangle, Result};
 
 /// Opens the file of a height field, which `bake build --height-field` writes. The file is copied
 /// into memory and checked completely, so that no file can harm a later query.
@@ -80,7 +80,7 @@ pub unsafe extern "C" fn hullmap_height_field_height_at(
     field: *const HeightField,
     x: f64,
     y: f64,
-    ground: *mut FieldGround,
+    ground: *mut Ground,
 ) -> Result {
     call(|| {
         // SAFETY: the caller keeps the rules at the head of the header.
@@ -89,7 +89,7 @@ pub unsafe extern "C" fn hullmap_height_field_height_at(
             let message = format_args!("({x}, {y}) is in a hole or beyond the field: it has no ground there");
             Failure::new(Result::NotFound, message)
         })?;
-        out.write(found.into());
+        out.write(found);
         Ok(())
     })
 }

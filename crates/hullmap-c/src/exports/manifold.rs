@@ -35,15 +35,13 @@ pub unsafe extern "C" fn hullmap_manifold_update(
 ) -> Result {
     call(|| {
         // SAFETY: the caller keeps the rules at the head of the header.
-        let (manifold, a, b, b_in_a, settings, out) = unsafe {
-            let (manifold, a, b) =
-                (border::handle("manifold", manifold)?, border::handle("a", a)?, border::handle("b", b)?);
-            let (b_in_a, settings) = (border::read("b_in_a", b_in_a)?, border::read_sized("settings", settings)?);
-            (manifold, a, b, b_in_a, settings, Out::new("out", out)?)
+        let (manifold, pair, settings, out) = unsafe {
+            let (manifold, pair) = (border::handle("manifold", manifold)?, super::query::pair(a, b, b_in_a)?);
+            (manifold, pair, border::read_sized("settings", settings)?, Out::new("out", out)?)
         };
-        let (b_in_a, settings) = (super::pose("b_in_a", b_in_a)?, super::manifold_settings(settings)?);
+        let settings = super::manifold_settings(settings)?;
         let mut points = manifold.0.take("manifold")?;
-        query::update(a, b, b_in_a, &settings, &mut points)?;
+        query::update(&pair, &settings, &mut points);
         out.write(points.answer());
         Ok(())
     })

@@ -39,9 +39,7 @@ use crate::types;
 /// A pose from C, checked and normalised.
 #[inline(always)]
 fn pose(name: &str, pose: types::Pose) -> Fallible<Pose> {
-    let types::Pose { translation, rotation: types::Quat { x, y, z, w } } = pose;
-    let found = Pose::new(translation.into(), hullmap::glam::DQuat::from_xyzw(x, y, z, w));
-    found.map_err(|error| Failure::argument(name, error))
+    Pose::new(pose.translation, pose.rotation).map_err(|error| Failure::argument(name, error))
 }
 
 /// Settings from C, or the default ones.

@@ -7,10 +7,10 @@ use super::query::with_memory;
 use crate::border::{self, Out, call};
 use crate::failure::{Failure, Fallible};
 use crate::handles::{Cache, Shape};
-use crate::motion;
+use crate::query::{check_pair, convex_for};
 use crate::types::{
-    CastSettings, ClearSettings, Clearance, Contact, Derivatives, Distance, Motion, MotionKind, MotionSettings, Pose,
-    RayHit, Result, Settings, TimeOfImpact, Vec3, WitnessDerivatives,
+    CastSettings, ClearSettings, Clearance, Contact, DVec3, Derivatives, Differentiability, Distance, Motion,
+    MotionKind, MotionSettings, Pose, RayHit, Result, Settings, TimeOfImpact, WitnessDerivatives,
 };
 
 /// A motion from C, checked.
@@ -25,7 +25,7 @@ fn motion_of(name: &str, motion: Motion) -> Fallible<RigidMotion> {
             checked(RigidMotion::between(start, super::pose(name, motion.end)?))
         }
         kind if kind == MotionKind::Screw as u32 => {
-            checked(RigidMotion::screw(start, motion.linear.into(), motion.angular.into(), motion.center.into()))
+            checked(RigidMotion::screw(start, motion.linear, motion.angular, motion.center))
         }
         kind => Err(Failure::argument(name, format_args!("kind {kind} is not a HullmapMotionKind"))),
     }
@@ -84,11 +84,17 @@ pub unsafe extern "C" fn hullmap_cast_motion(
         });
         // SAFETY: the caller keeps the rules at the head of the header.
         let by = unsafe { optional_out("derivatives", derivatives)? };
-        let (found, slopes) =
-            with_memory(cache, |memory| motion::cast_motion(shapes, [&motions[0], &motions[1]], &settings, memory))?;
+        let ([a, b], [motion_a, motion_b]) = (shapes, &motions);
+        check_pair(a, b)?;
+        let query = |memory: &mut _| Ok(hullmap::cast_motion(&a.0, motion_a, &b.0, motion_b, &settings, memory));
+        let found = with_memory(cache, query)?;
         out.write(found);
         if let Some(by) = by {
-            by.write(slopes);
+            let with_b =
+                |a: &dyn hullmap::Shape| b.0.with_part(found.parts[1], |b| found.derivatives(a, motion_a, b, motion_b));
+            // A half-space has no support mapping.
+            let unknown = || Derivatives { status: Differentiability::Inaccurate, ..Derivatives::default() };
+            by.write(a.0.with_part(found.parts[0], with_b).flatten().unwrap_or_else(unknown));
         }
         Ok(())
     })
@@ -120,22 +126,52 @@ pub unsafe extern "C" fn hullmap_clear(
             },
             share: own.share,
         });
-        let motions = [&motions[0], &motions[1]];
-        out.write(with_memory(cache, |memory| motion::clear(shapes, motions, &settings, memory))?);
+        let ([a, b], [motion_a, motion_b]) = (shapes, &motions);
+        check_pair(a, b)?;
+        let query = |memory: &mut _| Ok(hullmap::clear(&a.0, motion_a, &b.0, motion_b, &settings, memory));
+        out.write(with_memory(cache, query)?);
         Ok(())
     })
 }
 
+/// Where an answer, its derivatives, and those of its normal and points go.
+type Outs<T> = (*mut T, *mut Derivatives, *mut WitnessDerivatives);
+
+/// Answers a query of two convex shapes with derivatives. The last argument of `query` is whether
+/// those of normal and points are requested.
+///
 /// # Safety
 /// The pointers are as the rules at the head of the header require.
-unsafe fn posed<'p>(
-    a: *const Shape,
-    b: *const Shape,
-    b_in_a: *const Pose,
-) -> Fallible<([&'p Shape; 2], hullmap::Pose)> {
-    // SAFETY: this function's contract.
-    let (a, b, b_in_a) = unsafe { (border::handle("a", a)?, border::handle("b", b)?, border::read("b_in_a", b_in_a)?) };
-    Ok(([a, b], super::pose("b_in_a", b_in_a)?))
+unsafe fn with_derivatives<T>(
+    (a, b, b_in_a): (*const Shape, *const Shape, *const Pose),
+    (settings, cache, (out, derivatives, witness)): (*const Settings, *mut Cache, Outs<T>),
+    query: impl FnOnce(
+        [&dyn hullmap::Shape; 2],
+        hullmap::Pose,
+        &hullmap::Settings,
+        &mut hullmap::Cache,
+        bool,
+    ) -> (T, Derivatives, Option<WitnessDerivatives>),
+) -> Result {
+    call(|| {
+        // SAFETY: this function's contract.
+        let (pair, settings, cache, out, by, witness) = unsafe {
+            let (pair, settings) = (super::query::pair(a, b, b_in_a)?, border::read_sized("settings", settings)?);
+            let (out, by) = (Out::new("out", out)?, Out::new("derivatives", derivatives)?);
+            let cache = border::optional_handle("cache", cache)?;
+            (pair, super::settings(settings), cache, out, by, optional_out("witness", witness)?)
+        };
+        let shapes = [convex_for(pair.a, "derivatives")?, convex_for(pair.b, "derivatives")?];
+        let is_witness = witness.is_some();
+        let query = |memory: &mut _| Ok(query(shapes, pair.b_in_a, &settings, memory, is_witness));
+        let (found, slopes, of_points) = with_memory(cache, query)?;
+        out.write(found);
+        by.write(slopes);
+        if let (Some(witness), Some(of_points)) = (witness, of_points) {
+            witness.write(of_points);
+        }
+        Ok(())
+    })
 }
 
 /// Distance of two convex shapes, and its derivatives by the poses of both, in A's frame. settings
@@ -153,26 +189,15 @@ pub unsafe extern "C" fn hullmap_distance_derivatives(
     derivatives: *mut Derivatives,
     witness: *mut WitnessDerivatives,
 ) -> Result {
-    call(|| {
-        // SAFETY: the caller keeps the rules at the head of the header.
-        let ((shapes, pose), settings, cache, out, by) = unsafe {
-            let (posed, settings) = (posed(a, b, b_in_a)?, border::read_sized("settings", settings)?);
-            let (out, by) = (Out::new("out", out)?, Out::new("derivatives", derivatives)?);
-            (posed, settings, border::optional_handle("cache", cache)?, out, by)
-        };
-        let settings = super::settings(settings);
-        // SAFETY: the caller keeps the rules at the head of the header.
-        let witness = unsafe { optional_out("witness", witness)? };
-        let (found, slopes, of_points) = with_memory(cache, |memory| {
-            motion::distance_derivatives(shapes, pose, &settings, memory, witness.is_some())
-        })?;
-        out.write(found);
-        by.write(slopes);
-        if let (Some(witness), Some(of_points)) = (witness, of_points) {
-            witness.write(of_points);
-        }
-        Ok(())
-    })
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe {
+        let outs = (settings, cache, (out, derivatives, witness));
+        with_derivatives((a, b, b_in_a), outs, |[a, b], b_in_a, settings, cache, is_witness| {
+            let found = hullmap::distance(a, b, b_in_a, settings, cache);
+            let witness = is_witness.then(|| found.witness_derivatives(a, b, b_in_a));
+            (found, found.derivatives(a, b, b_in_a), witness)
+        })
+    }
 }
 
 /// Contact of two convex shapes, and the derivatives of its depth by the poses of both, in A's
@@ -190,26 +215,16 @@ pub unsafe extern "C" fn hullmap_contact_derivatives(
     derivatives: *mut Derivatives,
     witness: *mut WitnessDerivatives,
 ) -> Result {
-    call(|| {
-        // SAFETY: the caller keeps the rules at the head of the header.
-        let ((shapes, pose), settings, cache, out, by) = unsafe {
-            let (posed, settings) = (posed(a, b, b_in_a)?, border::read_sized("settings", settings)?);
-            let (out, by) = (Out::new("out", out)?, Out::new("derivatives", derivatives)?);
-            (posed, settings, border::optional_handle("cache", cache)?, out, by)
-        };
-        let settings = super::settings(settings);
-        // SAFETY: the caller keeps the rules at the head of the header.
-        let witness = unsafe { optional_out("witness", witness)? };
-        let (found, slopes, of_points) = with_memory(cache, |memory| {
-            motion::contact_derivatives(shapes, pose, &settings, memory, witness.is_some())
-        })?;
-        out.write(found);
-        by.write(slopes);
-        if let (Some(witness), Some(of_points)) = (witness, of_points) {
-            witness.write(of_points);
-        }
-        Ok(())
-    })
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe {
+        let outs = (settings, cache, (out, derivatives, witness));
+        with_derivatives((a, b, b_in_a), outs, |[a, b], b_in_a, settings, cache, is_witness| {
+            let found = hullmap::contact(a, b, b_in_a, settings, cache);
+            let by = found.derivatives(a, b, b_in_a, settings, cache);
+            let witness = is_witness.then(|| found.witness_derivatives(a, b, b_in_a, settings, cache));
+            (found, by, witness)
+        })
+    }
 }
 
 /// Where a ray first enters a convex shape, and the derivatives of t, in the shape's frame.
@@ -220,8 +235,8 @@ pub unsafe extern "C" fn hullmap_contact_derivatives(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_ray_derivatives(
     shape: *const Shape,
-    origin: Vec3,
-    direction: Vec3,
+    origin: DVec3,
+    direction: DVec3,
     settings: *const CastSettings,
     out: *mut RayHit,
     derivatives: *mut Derivatives,
@@ -233,9 +248,10 @@ pub unsafe extern "C" fn hullmap_ray_derivatives(
             (shape, settings, Out::new("out", out)?, Out::new("derivatives", derivatives)?)
         };
         let ray = super::query::ray_of(origin, direction)?;
-        let (found, slopes) = motion::ray_derivatives(shape, &ray, &super::cast_settings(settings))?;
+        let shape = convex_for(shape, "derivatives")?;
+        let found = hullmap::ray(shape, &ray, &super::cast_settings(settings));
         out.write(found);
-        by.write(slopes);
+        by.write(found.derivatives(shape, &ray));
         Ok(())
     })
 }

@@ -10,8 +10,8 @@ use crate::border::{self, Out, call};
 use crate::failure::{Failure, Fallible};
 use crate::handles::Pack;
 use crate::types::{
-    Bounds, HullArrays, HullFacts, MassProperties, MassSource, OPEN_BORROW, OPEN_MAP, OPEN_SKIP_CONTENTS, Pose,
-    PrimitiveKind, Quat, Replacement, Result, Solid, Text, Vec3,
+    Bounds, DQuat, DVec3, HullArrays, HullFacts, MassProperties, OPEN_BORROW, OPEN_MAP, OPEN_SKIP_CONTENTS, Pose,
+    PrimitiveKind, Replacement, Result, Solid, Text,
 };
 
 /// Opens a pack file. By default the file is copied into memory and checked completely, so that no
@@ -141,7 +141,7 @@ pub unsafe extern "C" fn hullmap_pack_hull_facts(pack: *const Pack, hull: usize,
             (border::handle("pack", pack)?, Out::new("facts", facts)?)
         };
         let hull = pack.hull(hull)?;
-        let [min, max] = hull.bounds().map(|corner| corner.as_dvec3().into());
+        let [min, max] = hull.bounds().map(|corner| corner.as_dvec3());
         out.write(HullFacts {
             struct_size: size_of::<HullFacts>(),
             name: Text { data: hull.name().as_ptr().cast(), length: hull.name().len() },
@@ -151,21 +151,21 @@ pub unsafe extern "C" fn hullmap_pack_hull_facts(pack: *const Pack, hull: usize,
             part: hull.part(),
             volume: hull.volume(),
             surface_area: hull.surface_area(),
-            centroid: hull.centroid().into(),
+            centroid: hull.centroid(),
             inertia: hull.inertia_tensor().transpose().to_cols_array(),
             bounds: Bounds { min, max },
             diameter: hull.diameter(),
-            interior_point: hullmap::SupportMap::interior_point(&hull).into(),
+            interior_point: hullmap::SupportMap::interior_point(&hull),
             inner_radius: hullmap::SupportMap::inner_radius(&hull),
             outer_radius: hullmap::SupportMap::outer_radius(&hull),
             containment_error: hull.containment_error(),
             outer_error: hull.outer_error(),
-            origin: hull.origin().into(),
+            origin: hull.origin(),
             part_count: hull.part_count(),
             solid: Solid::from(hull.solid()) as u32,
             uncovered: hull.uncovered().unwrap_or(0.0),
             protrusion: hull.protrusion().unwrap_or(0.0),
-            protrusion_at: hull.protrusion_at().unwrap_or_default().into(),
+            protrusion_at: hull.protrusion_at().unwrap_or_default(),
             voids: hull.voids().map_or(-1.0, |voids| voids.share),
             voids_error: hull.voids().map_or(0.0, |voids| voids.error),
         });
@@ -186,16 +186,12 @@ pub unsafe extern "C" fn hullmap_pack_hull_primitive(
         let (pack, out) = unsafe { (border::handle("pack", pack)?, Out::new("primitive", primitive)?) };
         out.write(match pack.hull(hull)?.primitive() {
             Some(found) => {
-                let [x, y, z, w] = found.rotation.to_array();
-                Replacement {
-                    kind: PrimitiveKind::from(found.kind) as u32,
-                    pose: Pose { translation: found.center.into(), rotation: Quat { x, y, z, w } },
-                    sizes: found.sizes,
-                    protrusion: found.protrusion,
-                }
+                let pose = Pose { translation: found.center, rotation: found.rotation };
+                let kind = PrimitiveKind::from(found.kind) as u32;
+                Replacement { kind, pose, sizes: found.sizes, protrusion: found.protrusion }
             }
             None => {
-                let pose = Pose { translation: Vec3::default(), rotation: Quat::default() };
+                let pose = Pose { translation: DVec3::ZERO, rotation: DQuat::from_array([0.0; 4]) };
                 Replacement { kind: PrimitiveKind::None as u32, pose, sizes: [0.0; 3], protrusion: 0.0 }
             }
         });
@@ -232,9 +228,9 @@ pub unsafe extern "C" fn hullmap_pack_mass_properties(
         let found = found.map_err(|error| Failure::new(Result::NotFound, error))?;
         out.write(MassProperties {
             mass: found.mass,
-            center_of_mass: found.center_of_mass.into(),
+            center_of_mass: found.center_of_mass,
             inertia: found.inertia.transpose().to_cols_array(),
-            source: MassSource::from(found.source) as u32,
+            source: found.source,
         });
         Ok(())
     })

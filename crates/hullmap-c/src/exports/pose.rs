@@ -21,8 +21,7 @@ pub unsafe extern "C" fn hullmap_pose_relative(
         };
         let (a, b) = (super::pose("a_in_world", a)?, super::pose("b_in_world", b)?);
         let found = hullmap::Pose::relative(a, b).map_err(|error| Failure::argument("b_in_a", error))?;
-        let [x, y, z, w] = found.rotation().to_array();
-        out.write(types::Pose { translation: found.translation().into(), rotation: types::Quat { x, y, z, w } });
+        out.write(types::Pose { translation: found.translation(), rotation: found.rotation() });
         Ok(())
     })
 }

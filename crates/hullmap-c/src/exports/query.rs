@@ -3,14 +3,13 @@
 
 use hullmap::Motion;
 
-use crate::batch::CheckedPair;
 use crate::border::{self, Out, call};
 use crate::failure::{Failure, Fallible};
 use crate::handles::{Cache, Shape};
-use crate::query;
+use crate::query::{self, CheckedPair};
 use crate::types::{
-    Bounds, CastSettings, Contact, Distance, Impact, Intersection, Pose, RayHit, Result, Settings, SignedDistance,
-    Support, Vec3,
+    Bounds, CastSettings, Contact, DVec3, Distance, Impact, Intersection, Pose, RayHit, Result, Settings,
+    SignedDistance, SupportPoint,
 };
 
 /// Runs a query with the memory of a cache, or with an empty one.
@@ -33,13 +32,37 @@ pub(super) fn with_memory<T>(
     query(memory)
 }
 
+/// A pair that has queries.
+///
 /// # Safety
 /// The pointers are as the rules at the head of the header require.
 #[inline(always)]
-unsafe fn pair<'p>(a: *const Shape, b: *const Shape, b_in_a: *const Pose) -> Fallible<CheckedPair<'p>> {
+pub(super) unsafe fn pair<'p>(a: *const Shape, b: *const Shape, b_in_a: *const Pose) -> Fallible<CheckedPair<'p>> {
     // SAFETY: this function's contract.
     let (a, b, b_in_a) = unsafe { (border::handle("a", a)?, border::handle("b", b)?, border::read("b_in_a", b_in_a)?) };
+    query::check_pair(a, b)?;
     Ok(CheckedPair { a, b, b_in_a: super::pose("b_in_a", b_in_a)? })
+}
+
+/// Answers a query of a pair.
+///
+/// # Safety
+/// The pointers are as the rules at the head of the header require.
+#[inline(always)]
+unsafe fn of_pair<S: Copy, T>(
+    (a, b, b_in_a): (*const Shape, *const Shape, *const Pose),
+    (settings, cache, out): (*const S, *mut Cache, *mut T),
+    query: impl FnOnce(CheckedPair<'_>, Option<S>, &mut hullmap::Cache) -> Fallible<T>,
+) -> Result {
+    call(|| {
+        // SAFETY: this function's contract.
+        let (pair, settings, cache, out) = unsafe {
+            let (pair, settings) = (pair(a, b, b_in_a)?, border::read_sized("settings", settings)?);
+            (pair, settings, border::optional_handle("cache", cache)?, Out::new("out", out)?)
+        };
+        out.write(with_memory(cache, |memory| query(pair, settings, memory))?);
+        Ok(())
+    })
 }
 
 /// Support points of a shape in `count` directions: points of the shape with the maximum dot
@@ -50,9 +73,9 @@ unsafe fn pair<'p>(a: *const Shape, b: *const Shape, b_in_a: *const Pose) -> Fal
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_support(
     shape: *const Shape,
-    directions: *const Vec3,
+    directions: *const DVec3,
     count: usize,
-    out: *mut Support,
+    out: *mut SupportPoint,
 ) -> Result {
     call(|| {
         // SAFETY: the caller keeps the rules at the head of the header.
@@ -87,13 +110,12 @@ pub unsafe extern "C" fn hullmap_intersects(
     cache: *mut Cache,
     out: *mut Intersection,
 ) -> Result {
-    call(|| {
-        // SAFETY: the caller keeps the rules at the head of the header.
-        let (pair, cache, out) =
-            unsafe { (pair(a, b, b_in_a)?, border::optional_handle("cache", cache)?, Out::new("out", out)?) };
-        out.write(with_memory(cache, |memory| query::intersects(pair.a, pair.b, pair.b_in_a, memory))?);
-        Ok(())
-    })
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe {
+        of_pair((a, b, b_in_a), (std::ptr::null::<Settings>(), cache, out), |pair, _, memory| {
+            Ok(hullmap::intersects(&pair.a.0, &pair.b.0, pair.b_in_a, memory))
+        })
+    }
 }
 
 /// Distance of two shapes, and their closest points. settings and cache may be NULL.
@@ -106,16 +128,12 @@ pub unsafe extern "C" fn hullmap_distance(
     cache: *mut Cache,
     out: *mut Distance,
 ) -> Result {
-    call(|| {
-        // SAFETY: the caller keeps the rules at the head of the header.
-        let (pair, settings, cache, out) = unsafe {
-            let (pair, settings) = (pair(a, b, b_in_a)?, border::read_sized("settings", settings)?);
-            (pair, settings, border::optional_handle("cache", cache)?, Out::new("out", out)?)
-        };
-        let settings = super::settings(settings);
-        out.write(with_memory(cache, |memory| query::distance(pair.a, pair.b, pair.b_in_a, &settings, memory))?);
-        Ok(())
-    })
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe {
+        of_pair((a, b, b_in_a), (settings, cache, out), |pair, settings, memory| {
+            Ok(hullmap::distance(&pair.a.0, &pair.b.0, pair.b_in_a, &super::settings(settings), memory))
+        })
+    }
 }
 
 /// Contact of two shapes: penetration depth, normal and deepest points. settings and cache may be
@@ -129,16 +147,12 @@ pub unsafe extern "C" fn hullmap_contact(
     cache: *mut Cache,
     out: *mut Contact,
 ) -> Result {
-    call(|| {
-        // SAFETY: the caller keeps the rules at the head of the header.
-        let (pair, settings, cache, out) = unsafe {
-            let (pair, settings) = (pair(a, b, b_in_a)?, border::read_sized("settings", settings)?);
-            (pair, settings, border::optional_handle("cache", cache)?, Out::new("out", out)?)
-        };
-        let settings = super::settings(settings);
-        out.write(with_memory(cache, |memory| query::contact(pair.a, pair.b, pair.b_in_a, &settings, memory))?);
-        Ok(())
-    })
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe {
+        of_pair((a, b, b_in_a), (settings, cache, out), |pair, settings, memory| {
+            Ok(hullmap::contact(&pair.a.0, &pair.b.0, pair.b_in_a, &super::settings(settings), memory))
+        })
+    }
 }
 
 /// When B, which starts at b_in_a and moves by `velocity` per unit of time, first meets A. Neither
@@ -148,23 +162,18 @@ pub unsafe extern "C" fn hullmap_cast(
     a: *const Shape,
     b: *const Shape,
     b_in_a: *const Pose,
-    velocity: Vec3,
+    velocity: DVec3,
     settings: *const CastSettings,
     cache: *mut Cache,
     out: *mut Impact,
 ) -> Result {
-    call(|| {
-        // SAFETY: the caller keeps the rules at the head of the header.
-        let (pair, settings, cache, out) = unsafe {
-            let (pair, settings) = (pair(a, b, b_in_a)?, border::read_sized("settings", settings)?);
-            (pair, settings, border::optional_handle("cache", cache)?, Out::new("out", out)?)
-        };
-        let motion = Motion::new(velocity.into()).map_err(|error| Failure::new(Result::InvalidArgument, error))?;
-        let settings = super::cast_settings(settings);
-        let CheckedPair { a, b, b_in_a } = pair;
-        out.write(with_memory(cache, |memory| query::cast(a, b, b_in_a, motion, &settings, memory))?);
-        Ok(())
-    })
+    // SAFETY: the caller keeps the rules at the head of the header.
+    unsafe {
+        of_pair((a, b, b_in_a), (settings, cache, out), |pair, settings, memory| {
+            let motion = Motion::new(velocity).map_err(|error| Failure::new(Result::InvalidArgument, error))?;
+            Ok(hullmap::cast(&pair.a.0, &pair.b.0, pair.b_in_a, motion, &super::cast_settings(settings), memory))
+        })
+    }
 }
 
 /// Where the ray of all points origin + t direction, t >= 0, first enters a shape. Origin and
@@ -173,8 +182,8 @@ pub unsafe extern "C" fn hullmap_cast(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_ray(
     shape: *const Shape,
-    origin: Vec3,
-    direction: Vec3,
+    origin: DVec3,
+    direction: DVec3,
     settings: *const CastSettings,
     out: *mut RayHit,
 ) -> Result {
@@ -185,14 +194,14 @@ pub unsafe extern "C" fn hullmap_ray(
             (shape, settings, Out::new("out", out)?)
         };
         let ray = ray_of(origin, direction)?;
-        out.write(query::ray(shape, &ray, &super::cast_settings(settings)));
+        out.write(hullmap::ray(&shape.0, &ray, &super::cast_settings(settings)));
         Ok(())
     })
 }
 
 /// A ray from C, checked.
-pub(super) fn ray_of(origin: Vec3, direction: Vec3) -> Fallible<hullmap::Ray> {
-    let ray = hullmap::Ray::new(origin.into(), direction.into());
+pub(super) fn ray_of(origin: DVec3, direction: DVec3) -> Fallible<hullmap::Ray> {
+    let ray = hullmap::Ray::new(origin, direction);
     ray.map_err(|error| Failure::new(Result::InvalidArgument, error))
 }
 
@@ -206,7 +215,7 @@ pub(super) fn ray_of(origin: Vec3, direction: Vec3) -> Fallible<hullmap::Ray> {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_signed_distance(
     shape: *const Shape,
-    point: Vec3,
+    point: DVec3,
     settings: *const Settings,
     cache: *mut Cache,
     out: *mut SignedDistance,
@@ -218,7 +227,7 @@ pub unsafe extern "C" fn hullmap_signed_distance(
             (shape, settings, border::optional_handle("cache", cache)?, Out::new("out", out)?)
         };
         let settings = super::settings(settings);
-        out.write(with_memory(cache, |memory| query::signed_distance(shape, point.into(), &settings, memory))?);
+        out.write(with_memory(cache, |memory| query::signed_distance(shape, point, &settings, memory))?);
         Ok(())
     })
 }

@@ -8,7 +8,7 @@ use hullmap::compound::SharedSheet;
 use crate::border::{self, Out, call};
 use crate::failure::Fallible;
 use crate::handles::{HeightField, Pack, Shape, TriangleMesh};
-use crate::types::{Result, Vec3};
+use crate::types::{DVec3, Result};
 
 /// Makes a shape and hands it out.
 ///
@@ -36,11 +36,11 @@ pub unsafe extern "C" fn hullmap_shape_hull(pack: *const Pack, hull: usize, shap
 pub unsafe extern "C" fn hullmap_shape_scaled_hull(
     pack: *const Pack,
     hull: usize,
-    scale: Vec3,
+    scale: DVec3,
     shape: *mut *mut Shape,
 ) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.
-    unsafe { make(shape, || Shape::scaled_hull(border::handle("pack", pack)?, hull, scale.into())) }
+    unsafe { make(shape, || Shape::scaled_hull(border::handle("pack", pack)?, hull, scale)) }
 }
 
 /// All hulls of a pack together: a concave mesh that was baked as convex parts.
@@ -77,9 +77,9 @@ pub unsafe extern "C" fn hullmap_shape_sphere(radius: f64, shape: *mut *mut Shap
 
 /// A box about the origin, with its edges along the axes: half their lengths.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn hullmap_shape_cuboid(half_edges: Vec3, shape: *mut *mut Shape) -> Result {
+pub unsafe extern "C" fn hullmap_shape_cuboid(half_edges: DVec3, shape: *mut *mut Shape) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.
-    unsafe { make(shape, || Shape::cuboid(half_edges.into())) }
+    unsafe { make(shape, || Shape::cuboid(half_edges)) }
 }
 
 /// A capsule about the origin, along z: half the length of the segment, without the caps.
@@ -105,15 +105,15 @@ pub unsafe extern "C" fn hullmap_shape_cone(half_height: f64, radius: f64, shape
 
 /// The segment between two points, whose coordinates are from -3.4e38 to 3.4e38.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn hullmap_shape_segment(start: Vec3, end: Vec3, shape: *mut *mut Shape) -> Result {
+pub unsafe extern "C" fn hullmap_shape_segment(start: DVec3, end: DVec3, shape: *mut *mut Shape) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.
-    unsafe { make(shape, || Shape::segment(start.into(), end.into())) }
+    unsafe { make(shape, || Shape::segment(start, end)) }
 }
 
 /// The triangle between three points, from both sides: for single triangles; a level is a
 /// triangle mesh.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn hullmap_shape_triangle(a: Vec3, b: Vec3, c: Vec3, shape: *mut *mut Shape) -> Result {
+pub unsafe extern "C" fn hullmap_shape_triangle(a: DVec3, b: DVec3, c: DVec3, shape: *mut *mut Shape) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.
     unsafe { make(shape, || Shape::triangle([a, b, c].map(Into::into))) }
 }
@@ -121,9 +121,9 @@ pub unsafe extern "C" fn hullmap_shape_triangle(a: Vec3, b: Vec3, c: Vec3, shape
 /// Everything below a plane: the points p with normal . p <= offset, after the normal is
 /// normalised. For floors and walls. Two half-spaces have no query.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn hullmap_shape_half_space(normal: Vec3, offset: f64, shape: *mut *mut Shape) -> Result {
+pub unsafe extern "C" fn hullmap_shape_half_space(normal: DVec3, offset: f64, shape: *mut *mut Shape) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.
-    unsafe { make(shape, || Shape::half_space(normal.into(), offset)) }
+    unsafe { make(shape, || Shape::half_space(normal, offset)) }
 }
 
 /// Frees a shape; NULL is allowed.

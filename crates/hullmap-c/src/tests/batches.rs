@@ -19,9 +19,9 @@ fn batches_have_the_bits_of_single_queries() {
     let (manifolds, twin_manifolds): (Vec<_>, Vec<_>) = (0..count).map(|_| (manifold(), manifold())).unzip();
     let handles: Vec<*mut Cache> = caches.iter().map(|cache| cache.0).collect();
     let manifold_handles: Vec<*mut Manifold> = manifolds.iter().map(|manifold| manifold.0).collect();
-    let mut contacts = vec![types::Contact::from(hullmap::Contact::default()); count];
-    let mut gaps = vec![types::Distance::from(hullmap::Distance::default()); count];
-    let mut hits = vec![types::Intersection::from(hullmap::Intersection::default()); count];
+    let mut contacts = vec![types::Contact::default(); count];
+    let mut gaps = vec![types::Distance::default(); count];
+    let mut hits = vec![types::Intersection::default(); count];
     // Cold, warm, and without caches.
     for handles in [handles.as_ptr(), handles.as_ptr(), null()] {
         // SAFETY: the pointers are valid.
@@ -41,7 +41,7 @@ fn batches_have_the_bits_of_single_queries() {
                 assert_eq!(hullmap_distance(pair.a, pair.b, pose, null(), cache, &raw mut gap), Code::Ok);
                 assert_eq!(hullmap_contact(pair.a, pair.b, pose, null(), cache, &raw mut contact), Code::Ok);
             }
-            assert_eq!((hit, gap, contact), (hits[i], gaps[i], contacts[i]), "pair {i}");
+            same(&(i, hit, gap, contact), &(i, hits[i], gaps[i], contacts[i]));
         }
     }
     // SAFETY: zeros are a valid value.

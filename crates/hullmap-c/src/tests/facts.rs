@@ -22,20 +22,20 @@ fn facts_and_arrays_match_the_pack() {
         assert_eq!((facts.vertex_count, facts.face_count), (hull.vertex_count(), hull.face_count()));
         assert_eq!((facts.volume, facts.diameter), (hull.volume(), hull.diameter()));
         assert_eq!((facts.surface_area, facts.rank, facts.part), (hull.surface_area(), 3, 0));
-        assert_eq!(facts.centroid, hull.centroid().into());
+        assert_eq!(facts.centroid, hull.centroid());
         let tensor = hull.inertia_tensor();
         assert_eq!((facts.inertia[1], facts.inertia[8]), (tensor.y_axis.x, tensor.z_axis.z));
         assert_eq!((facts.inner_radius, facts.outer_radius), (hull.inner_radius(), hull.outer_radius()));
-        assert_eq!(facts.bounds.max, hull.bounds()[1].as_dvec3().into());
+        assert_eq!(facts.bounds.max, hull.bounds()[1].as_dvec3());
         let unmeasured = (facts.part_count, facts.solid, facts.uncovered, facts.protrusion);
         assert_eq!((facts.voids, facts.voids_error), (-1.0, 0.0));
         assert_eq!(unmeasured, (0, types::Solid::Unmeasured as u32, 0.0, 0.0));
         let mut mass = std::mem::zeroed::<types::MassProperties>();
         assert_eq!(hullmap_pack_mass_properties(pack.0, 0, 2, 3.0, &raw mut mass), Code::Ok);
         let expected = twin.mass_properties(3.0);
-        assert_eq!((mass.mass, mass.center_of_mass), (expected.mass, expected.center_of_mass.into()));
+        assert_eq!((mass.mass, mass.center_of_mass), (expected.mass, expected.center_of_mass));
         assert_eq!(mass.inertia, expected.inertia.transpose().to_cols_array());
-        assert_eq!(mass.source, types::MassSource::Hulls as u32);
+        assert_eq!(mass.source, types::MassSource::Hulls);
         for (first, count, density, code) in [
             (1, 2, 1.0, Code::NotFound),
             (usize::MAX, 2, 1.0, Code::NotFound),
@@ -77,11 +77,11 @@ fn parts_weigh_as_much_as_their_mesh() {
         let pack = Owned::new(hullmap_pack_free, |out| hullmap_pack_from_memory(file.as_ptr(), file.len(), 0, out));
         let mut found = std::mem::zeroed::<types::MassProperties>();
         assert_eq!(hullmap_pack_mass_properties(pack.0, 0, 2, 2.0, &raw mut found), Code::Ok);
-        assert_eq!(found.source, types::MassSource::Mesh as u32);
+        assert_eq!(found.source, types::MassSource::Mesh);
         assert!((found.mass - 8.0).abs() < 1e-6, "{}", found.mass);
         // A bar alone.
         assert_eq!(hullmap_pack_mass_properties(pack.0, 0, 1, 2.0, &raw mut found), Code::Ok);
-        assert_eq!(found.source, types::MassSource::Hulls as u32);
+        assert_eq!(found.source, types::MassSource::Hulls);
         assert!((found.mass - 4.0).abs() < 1e-6, "{}", found.mass);
     }
 }
@@ -113,8 +113,8 @@ fn primitives_match_the_pack() {
         assert_eq!(hullmap_pack_hull_primitive(pack.0, 0, &raw mut found), Code::Ok);
         assert_eq!(found.kind, types::PrimitiveKind::Box as u32);
         assert_eq!((found.sizes, found.protrusion), (expected.sizes, expected.protrusion));
-        assert_eq!(found.pose.translation, expected.center.into());
-        let types::Quat { x, y, z, w } = found.pose.rotation;
+        assert_eq!(found.pose.translation, expected.center);
+        let DQuat { x, y, z, w } = found.pose.rotation;
         assert_eq!([x, y, z, w], expected.rotation.to_array());
         // Half of its edges, in any order.
         let mut sizes = found.sizes;

@@ -14,8 +14,8 @@ fn shapes_outlive_their_pack() {
     let shapes = all_shapes(&pack);
     drop(pack);
     assert!(pack_handle.upgrade().is_some());
-    let b_in_a = types::Pose { rotation: types::Quat { w: 1.0, ..Default::default() }, ..Default::default() };
-    let mut contact = types::Contact::from(hullmap::Contact::default());
+    let b_in_a = types::Pose { rotation: DQuat { w: 1.0, ..Default::default() }, ..Default::default() };
+    let mut contact = types::Contact::default();
     // SAFETY: the pointers are valid.
     let code =
         unsafe { hullmap_contact(shapes[0].0, shapes[3].0, &raw const b_in_a, null(), null_mut(), &raw mut contact) };
@@ -31,9 +31,9 @@ fn shapes_outlive_their_pack() {
     assert_eq!(text(hullmap_result_name(Code::NotFound as u32)), "not_found");
     assert_eq!(text(hullmap_result_name(9)), "unknown");
     let mut relative = b_in_a;
-    let far = types::Pose { translation: types::Vec3 { x: 1e9, y: 0.0, z: 2.0 }, ..b_in_a };
-    let a = types::Pose { translation: types::Vec3 { x: 1e9, y: 0.0, z: 0.0 }, ..b_in_a };
+    let far = types::Pose { translation: DVec3 { x: 1e9, y: 0.0, z: 2.0 }, ..b_in_a };
+    let a = types::Pose { translation: DVec3 { x: 1e9, y: 0.0, z: 0.0 }, ..b_in_a };
     // SAFETY: the pointers are valid.
     assert_eq!(unsafe { hullmap_pose_relative(&raw const a, &raw const far, &raw mut relative) }, Code::Ok);
-    assert_eq!(relative.translation, types::Vec3 { x: 0.0, y: 0.0, z: 2.0 });
+    assert_eq!(relative.translation, DVec3 { x: 0.0, y: 0.0, z: 2.0 });
 }

@@ -49,12 +49,12 @@ fn triangles_are_those_of_the_file() {
         let mut found = std::mem::zeroed::<types::MeshTriangle>();
         for index in 0..32 {
             assert_eq!(hullmap_triangle_mesh_triangle(mesh.0, index, &raw mut found), Code::Ok);
-            assert_eq!(found.corners.map(bits), twin.triangle(index).unwrap().corners().map(|p| bits(vector(p))));
+            assert_eq!(found.corners, twin.triangle(index).unwrap().corners());
             assert_eq!((found.vertices, found.material), (twin.corners(index).unwrap(), found.source_triangle));
             for edge in 0..3 {
                 let beyond = twin.neighbours(index).unwrap()[edge];
                 assert_eq!(found.neighbours[edge], beyond.unwrap_or(u32::MAX));
-                assert_eq!(found.edge_classes[edge] == types::EdgeClass::Border as u32, beyond.is_none());
+                assert_eq!(found.edge_classes[edge] == types::EdgeClass::Border, beyond.is_none());
             }
         }
         assert_eq!(hullmap_triangle_mesh_triangle(mesh.0, 32, &raw mut found), Code::NotFound);
@@ -121,13 +121,13 @@ fn a_field_has_its_grid_triangles_and_ground() {
         assert_eq!(hullmap_height_field_layout(field.0, &raw mut layout), Code::Ok);
         assert_eq!((layout.columns, layout.rows, layout.holes), (5, 5, 1));
         assert_eq!((layout.origin, layout.spacing), ([-2.0; 2], [1.0; 2]));
-        assert_eq!(layout.diagonal, types::Diagonal::Falling as u32);
+        assert_eq!(layout.diagonal, types::Diagonal::Falling);
         assert_eq!(hullmap_height_field_triangle_count(field.0), 32);
         assert_eq!(hullmap_height_field_triangle_count(null()), 0);
         let mut found = std::mem::zeroed::<types::MeshTriangle>();
         for index in 0..30 {
             assert_eq!(hullmap_height_field_triangle(field.0, index, &raw mut found), Code::Ok);
-            assert_eq!(found.corners.map(bits), twin.triangle(index).unwrap().corners().map(|p| bits(vector(p))));
+            assert_eq!(found.corners, twin.triangle(index).unwrap().corners());
             assert_eq!((found.source_triangle as usize, found.material as usize), (index, index / 2));
             for (corner, vertex) in found.corners.iter().zip(found.vertices) {
                 assert_eq!((corner.x, corner.y), (f64::from(vertex % 5) - 2.0, f64::from(vertex / 5) - 2.0));
@@ -135,18 +135,18 @@ fn a_field_has_its_grid_triangles_and_ground() {
             for edge in 0..3 {
                 let beyond = twin.neighbours(index).unwrap()[edge];
                 assert_eq!(found.neighbours[edge], beyond.map_or(u32::MAX, |triangle| triangle as u32));
-                assert_eq!(found.edge_classes[edge] == types::EdgeClass::Border as u32, beyond.is_none());
+                assert_eq!(found.edge_classes[edge] == types::EdgeClass::Border, beyond.is_none());
             }
         }
         assert_eq!(hullmap_height_field_triangle(field.0, 30, &raw mut found), Code::NotFound);
         assert!(message().contains("triangle 30 is in a hole of the field"), "{}", message());
         assert_eq!(hullmap_height_field_triangle(field.0, 32, &raw mut found), Code::NotFound);
         assert!(message().contains("triangle 32 is out of range: the field has 32"), "{}", message());
-        let mut ground = std::mem::zeroed::<types::FieldGround>();
+        let mut ground = std::mem::zeroed::<types::Ground>();
         let expected = twin.height_at(0.3, -0.8).unwrap();
         assert_eq!(hullmap_height_field_height_at(field.0, 0.3, -0.8, &raw mut ground), Code::Ok);
         assert_eq!((ground.height, ground.triangle), (expected.height, expected.triangle));
-        assert_eq!(bits(ground.normal), bits(vector(expected.normal)));
+        assert_eq!(ground.normal, expected.normal);
         for (x, y) in [(1.5, 1.5), (9.0, 0.0), (f64::NAN, 0.0)] {
             assert_eq!(hullmap_height_field_height_at(field.0, x, y, &raw mut ground), Code::NotFound);
         }
@@ -208,19 +208,17 @@ fn compare(ground: &Owned<Shape>, twin: &impl Geometry) {
         for _ in 0..20 {
             let mut next = || rng.between(-1.0, 1.0);
             let (at, turn) = (DVec3::new(next(), next(), 0.7 * next()), [next(), next(), next(), next()]);
-            let pose = types::Pose {
-                translation: vector(at),
-                rotation: types::Quat { x: turn[0], y: turn[1], z: turn[2], w: turn[3] },
-            };
+            let pose =
+                types::Pose { translation: at, rotation: DQuat { x: turn[0], y: turn[1], z: turn[2], w: turn[3] } };
             let twin_pose = hullmap::Pose::new(at, DQuat::from_array(turn)).unwrap();
-            let mut found = types::Distance::from(hullmap::Distance::default());
+            let mut found = types::Distance::default();
             // SAFETY: the pointers are valid.
             let query = |a: &Owned<Shape>, b: &Owned<Shape>, out: *mut types::Distance| unsafe {
                 hullmap_distance(a.0, b.0, &raw const pose, null(), null_mut(), out)
             };
             let expected = hullmap::distance(twin, other, twin_pose, &settings, &mut hullmap::Cache::new());
             assert_eq!(query(ground, shape, &raw mut found), Code::Ok, "{}", message());
-            same_distance(&found, &expected);
+            same(&found, &expected);
             hits[usize::from(found.distance == 0.0)] += 1;
             assert_eq!(query(shape, ground, &raw mut found), Code::Ok, "{}", message());
         }
@@ -234,24 +232,20 @@ fn a_level_carries_a_box_and_has_no_support_points() {
     let mesh = open_mesh(&mesh_file(4));
     // SAFETY: the pointers are valid.
     let ground = Owned::new(hullmap_shape_free, |out| unsafe { hullmap_shape_triangle_mesh(mesh.0, out) });
-    let half = types::Vec3 { x: 0.5, y: 0.5, z: 0.5 };
+    let half = DVec3 { x: 0.5, y: 0.5, z: 0.5 };
     // SAFETY: the pointers are valid.
     let die = Owned::new(hullmap_shape_free, |out| unsafe { hullmap_shape_cuboid(half, out) });
     let at = |z: f64| types::Pose {
-        translation: types::Vec3 { x: 0.2, y: 0.1, z },
-        rotation: types::Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 },
+        translation: DVec3 { x: 0.2, y: 0.1, z },
+        rotation: DQuat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 },
     };
-    let mut hit = types::RayHit::from(hullmap::ray(
-        &hullmap::shapes::Sphere::new(1.0).unwrap(),
-        &hullmap::Ray::new(DVec3::ZERO, DVec3::X).unwrap(),
-        &hullmap::CastSettings::default(),
-    ));
+    let mut hit = types::RayHit::default();
     let mut bounds = types::Bounds::default();
     // SAFETY: the pointers are valid.
     unsafe {
-        let (from, down) = (types::Vec3 { x: 0.2, y: 0.1, z: 3.0 }, types::Vec3 { x: 0.0, y: 0.0, z: -1.0 });
+        let (from, down) = (DVec3 { x: 0.2, y: 0.1, z: 3.0 }, DVec3 { x: 0.0, y: 0.0, z: -1.0 });
         assert_eq!(hullmap_ray(ground.0, from, down, null(), &raw mut hit), Code::Ok);
-        assert!(hit.hit && (2.6..3.4).contains(&hit.t) && hit.hull < 32, "{hit:?}");
+        assert!(hit.hit && (2.6..3.4).contains(&hit.t) && hit.part < 32, "{hit:?}");
         let above = at(1.0);
         assert_eq!(hullmap_bounds(ground.0, &raw const above, &raw mut bounds), Code::Ok);
         assert!((bounds.min.x + 1.8).abs() < 1e-6 && (bounds.max.y - 2.1).abs() < 1e-6, "{bounds:?}");
@@ -263,7 +257,7 @@ fn a_level_carries_a_box_and_has_no_support_points() {
         // The rough floor touches the box with a few of its peaks.
         assert!(shown.touching > 0 && shown.pairs >= shown.touching, "{shown:?}");
         assert!(shown.count >= shown.touching as usize, "{shown:?}");
-        let mut support = types::Support::default();
+        let mut support = types::SupportPoint::default();
         assert_eq!(hullmap_support(ground.0, &raw const half, 1, &raw mut support), Code::Unsupported);
         assert!(message().contains("a triangle mesh has no support point"), "{}", message());
     }

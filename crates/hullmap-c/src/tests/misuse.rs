@@ -32,16 +32,16 @@ fn panics_become_errors() {
     let pack = open();
     let shapes = all_shapes(&pack);
     let broken = Shape(SharedGeometry::from_shape(Broken));
-    let pose = types::Pose { rotation: types::Quat { w: 1.0, ..Default::default() }, ..Default::default() };
+    let pose = types::Pose { rotation: DQuat { w: 1.0, ..Default::default() }, ..Default::default() };
     let (warm, manifold) = (cache(), manifold());
-    let mut contact = types::Contact::from(hullmap::Contact::default());
+    let mut contact = types::Contact::default();
     // SAFETY: the pointers are valid.
     unsafe {
         let pose = &raw const pose;
         let found = hullmap_contact(shapes[0].0, &raw const broken, pose, null(), warm.0, &raw mut contact);
         assert_eq!(found, Code::Panic);
         assert!(message().contains("broken shape"), "{}", message());
-        assert_eq!(contact, types::Contact::from(hullmap::Contact::default()));
+        assert_eq!(contact, types::Contact::default());
         let mut shown = std::mem::zeroed::<types::ManifoldPoints>();
         let a = shapes[3].0;
         let found = hullmap_manifold_update(manifold.0, a, &raw const broken, pose, null(), &raw mut shown);
@@ -50,8 +50,8 @@ fn panics_become_errors() {
         let mut contacts = vec![contact; 200];
         let out = contacts.as_mut_ptr();
         assert_eq!(hullmap_batch_contact(pairs.as_ptr(), 200, null(), null(), out), Code::Panic);
-        let direction = types::Vec3::default();
-        let mut support = types::Support::default();
+        let direction = DVec3::default();
+        let mut support = types::SupportPoint::default();
         assert_eq!(hullmap_support(&raw const broken, &raw const direction, 1, &raw mut support), Code::Panic);
 
         let b = shapes[5].0;
@@ -66,9 +66,9 @@ fn handles_in_use_are_busy() {
     let pack = open();
     let shapes = all_shapes(&pack);
     let (warm, manifold) = (cache(), manifold());
-    let b_in_a = types::Pose { rotation: types::Quat { w: 1.0, ..Default::default() }, ..Default::default() };
+    let b_in_a = types::Pose { rotation: DQuat { w: 1.0, ..Default::default() }, ..Default::default() };
     let pairs = [ShapePair { a: shapes[0].0, b: shapes[1].0, b_in_a }; 2];
-    let mut contacts = [types::Contact::from(hullmap::Contact::default()); 2];
+    let mut contacts = [types::Contact::default(); 2];
     // SAFETY: the pointers are valid.
     unsafe {
         let caches = [warm.0; 2];

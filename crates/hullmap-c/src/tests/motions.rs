@@ -7,8 +7,6 @@ use super::*;
 use crate::exports::motion::*;
 use crate::types::MotionKind;
 
-const NO_WHERE: types::Vec3 = types::Vec3 { x: 0.0, y: 0.0, z: 0.0 };
-
 fn number_of(kind: MotionKind) -> u32 {
     kind as u32
 }
@@ -29,7 +27,6 @@ fn random_motion(rng: &mut SplitMix64, kind: u32) -> (RigidMotion, types::Motion
         1 => RigidMotion::between(twin_start, twin_end),
         _ => RigidMotion::screw(twin_start, linear, angular, center),
     };
-    let [linear, angular, center] = [linear, angular, center].map(vector);
     (twin.unwrap(), types::Motion { kind, start, end, linear, angular, center })
 }
 
@@ -65,25 +62,15 @@ fn motions_have_the_same_bits() {
             };
             match twin.with_part(expected.parts[0], with_other).flatten() {
                 Some(slopes) => {
-                    assert_eq!(by, slopes.into());
+                    assert_eq!(by, slopes);
                     unique += usize::from(slopes.status == hullmap::Differentiability::Unique);
                 }
-                None => assert_eq!(by.differentiability, types::Differentiability::Inaccurate),
+                None => assert_eq!(by.status, types::Differentiability::Inaccurate),
             }
-            assert_eq!([found.hull_a, found.hull_b], expected.parts);
-            same!(found, expected; t t_lower t_upper; normal point_a point_b; hit iterations support_calls);
+            same(&found, &expected);
             hits += usize::from(found.hit);
             assert_eq!(codes, [Code::Ok; 2]);
-            assert_eq!(format!("{:?}", clear.verdict), format!("{:?}", expected_clear.verdict));
-            assert_eq!(clear.status, expected_clear.status.into());
-            for (found, expected) in [
-                (clear.clearance, expected_clear.clearance),
-                (clear.nearest, expected_clear.nearest),
-                (clear.t_lower, expected_clear.t_lower),
-                (clear.t_upper, expected_clear.t_upper),
-            ] {
-                assert_eq!(found.to_bits(), expected.to_bits());
-            }
+            same(&clear, &expected_clear);
             free += usize::from(expected_clear.verdict == hullmap::Verdict::Free);
         }
     }
@@ -120,17 +107,17 @@ fn derivatives_have_the_same_bits() {
             assert_eq!(codes, [Code::Ok; 2]);
             let b = twin_b;
             let expected = hullmap::distance(a, b, twin_pose, &settings, &mut hullmap::Cache::new());
-            same_distance(&gap, &expected);
-            assert_eq!(by[0], expected.derivatives(a, b, twin_pose).into());
-            assert_eq!(of_points[0], expected.witness_derivatives(a, b, twin_pose).into());
+            same(&gap, &expected);
+            assert_eq!(by[0], expected.derivatives(a, b, twin_pose));
+            assert_eq!(of_points[0], expected.witness_derivatives(a, b, twin_pose));
             let mut cache = hullmap::Cache::new();
             let expected = hullmap::contact(a, b, twin_pose, &settings, &mut cache);
-            same_contact(&contact, &expected);
-            assert_eq!(by[1], expected.derivatives(a, b, twin_pose, &settings, &mut cache).into());
+            same(&contact, &expected);
+            assert_eq!(by[1], expected.derivatives(a, b, twin_pose, &settings, &mut cache));
             let expected = expected.witness_derivatives(a, b, twin_pose, &settings, &mut cache);
-            assert_eq!(of_points[1], expected.into());
+            assert_eq!(of_points[1], expected);
             for (count, by) in unique.iter_mut().zip(&by) {
-                *count += usize::from(by.differentiability == types::Differentiability::Unique);
+                *count += usize::from(by.status == types::Differentiability::Unique);
             }
         }
     }
@@ -150,10 +137,8 @@ fn derivatives_of_rays_have_the_same_bits() {
             let direction = if case % 5 == 0 { origin } else { aim - origin };
             let (mut hit, mut by): (types::RayHit, types::Derivatives) = (empty(), empty());
             // SAFETY: the pointers are valid.
-            let code = unsafe {
-                let (origin, direction) = (origin.into(), direction.into());
-                hullmap_ray_derivatives(shape.0, origin, direction, null(), &raw mut hit, &raw mut by)
-            };
+            let code =
+                unsafe { hullmap_ray_derivatives(shape.0, origin, direction, null(), &raw mut hit, &raw mut by) };
             let Some(twin) = twin.as_shape() else {
                 assert_eq!(code, Code::Unsupported);
                 continue;
@@ -161,10 +146,10 @@ fn derivatives_of_rays_have_the_same_bits() {
             assert_eq!(code, Code::Ok);
             let ray = hullmap::Ray::new(origin, direction).unwrap();
             let expected = hullmap::ray(twin, &ray, &hullmap::CastSettings::default());
-            assert_eq!((hit.hit, hit.t.to_bits()), (expected.hit, expected.t.to_bits()));
-            assert_eq!(by, expected.derivatives(twin, &ray).into());
-            unique += usize::from(by.differentiability == types::Differentiability::Unique);
-            missing += usize::from(by.differentiability == types::Differentiability::Missing);
+            same(&hit, &expected);
+            assert_eq!(by, expected.derivatives(twin, &ray));
+            unique += usize::from(by.status == types::Differentiability::Unique);
+            missing += usize::from(by.status == types::Differentiability::Missing);
         }
     }
     assert!(unique > 20 && missing > 20, "{unique} with derivatives, {missing} without a hit");
@@ -184,9 +169,9 @@ fn wrong_motions_are_errors() {
     let wrong_kind = types::Motion { kind: 3, ..fine };
     assert_eq!(run(&wrong_kind, shapes[1].0), Code::InvalidArgument);
     assert!(message().contains("motion_b") && message().contains("HullmapMotionKind"), "{}", message());
-    let infinite = types::Motion { linear: types::Vec3 { x: f64::INFINITY, ..NO_WHERE }, ..fine };
+    let infinite = types::Motion { linear: DVec3 { x: f64::INFINITY, ..DVec3::ZERO }, ..fine };
     assert_eq!(run(&infinite, shapes[1].0), Code::InvalidArgument);
-    let turned = types::Pose { translation: NO_WHERE, rotation: types::Quat::default() };
+    let turned = types::Pose { translation: DVec3::ZERO, rotation: DQuat::from_array([0.0; 4]) };
     assert_eq!(run(&types::Motion { start: turned, ..fine }, shapes[1].0), Code::InvalidArgument);
     assert_eq!(run(&fine, null()), Code::Null);
     let plane = shapes.last().unwrap().0;

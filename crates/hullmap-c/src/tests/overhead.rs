@@ -55,17 +55,17 @@ fn overhead() {
                     let (_, mut pose) = random_pose(&mut rng, 0.01);
                     // A slow walk, as in a simulation.
                     pose.translation.x = x + 1e-4 * step as f64;
-                    pose.rotation = types::Quat { x: 0.1, y: 1e-3 * step as f64, z: 0.2, w: 1.0 };
+                    pose.rotation = DQuat { x: 0.1, y: 1e-3 * step as f64, z: 0.2, w: 1.0 };
                     pose
                 })
                 .collect();
             let pose_of = |pose: types::Pose| {
-                let types::Quat { x, y, z, w } = pose.rotation;
-                hullmap::Pose::new(pose.translation.into(), DQuat::from_xyzw(x, y, z, w)).unwrap()
+                let DQuat { x, y, z, w } = pose.rotation;
+                hullmap::Pose::new(pose.translation, DQuat::from_xyzw(x, y, z, w)).unwrap()
             };
             let settings = hullmap::Settings::default();
             let (warm, mut twin_cache) = (cache(), hullmap::Cache::new());
-            let mut out = types::Contact::from(hullmap::Contact::default());
+            let mut out = types::Contact::default();
             let mut by_c = |i: usize| {
                 // SAFETY: the pointers are valid.
                 let code = unsafe { contact(a.0, b.0, &raw const poses[i], null(), warm.0, &raw mut out) };
@@ -80,7 +80,7 @@ fn overhead() {
             println!("| {count} | contact, {name} | {c:.0} | {rust:.0} | {:.0} |", c - rust);
 
             let (warm, mut twin_cache) = (cache(), hullmap::Cache::new());
-            let mut out = types::Distance::from(hullmap::Distance::default());
+            let mut out = types::Distance::default();
             let mut by_c = |i: usize| {
                 // SAFETY: the pointers are valid.
                 let code = unsafe { distance(a.0, b.0, &raw const poses[i], null(), warm.0, &raw mut out) };
@@ -95,7 +95,7 @@ fn overhead() {
             println!("| {count} | distance, {name} | {c:.0} | {rust:.0} | {:.0} |", c - rust);
 
             let (warm, mut twin_cache) = (cache(), hullmap::Cache::new());
-            let mut out = types::Intersection::from(hullmap::Intersection::default());
+            let mut out = types::Intersection::default();
             let mut by_c = |i: usize| {
                 // SAFETY: the pointers are valid.
                 let code = unsafe { intersects(a.0, b.0, &raw const poses[i], warm.0, &raw mut out) };
@@ -128,8 +128,8 @@ fn overhead() {
             println!("| {count} | manifold, {name} | {c:.0} | {rust:.0} | {:.0} |", c - rust);
         }
         let mut rng = SplitMix64::new(8);
-        let directions: Vec<types::Vec3> = (0..POSES).map(|_| vector(DVec3::from_array(rng.direction()))).collect();
-        let mut out = vec![types::Support::default(); POSES];
+        let directions: Vec<DVec3> = (0..POSES).map(|_| DVec3::from_array(rng.direction())).collect();
+        let mut out = vec![types::SupportPoint::default(); POSES];
         let mut one = out.clone();
         let mut by_c = |i: usize| {
             // SAFETY: the pointers are valid.
@@ -145,7 +145,7 @@ fn overhead() {
             }
         };
         let mut by_rust = |i: usize| {
-            black_box(left.support_point(directions[i].into()));
+            black_box(left.support_point(directions[i]));
         };
         let [c, many, rust] = measure([&mut by_c, &mut all, &mut by_rust]);
         println!("| {count} | support | {c:.1} | {rust:.1} | {:.1} |", c - rust);

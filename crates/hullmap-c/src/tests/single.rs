@@ -23,31 +23,27 @@ fn rays_casts_points_and_bounds_have_the_same_bits() {
                 (DVec3::new(next(4.0), next(4.0), next(4.0)), DVec3::new(next(0.7), next(0.7), next(0.7)));
             let direction = target - origin;
             let by = [next(1.0), next(1.0), next(1.0), next(1.0)];
-            let pose = types::Pose {
-                translation: vector(origin),
-                rotation: types::Quat { x: by[0], y: by[1], z: by[2], w: by[3] },
-            };
-            let twin_pose = hullmap::Pose::new(origin, DQuat::from_array(by)).unwrap();
+            let pose = types::Pose { translation: origin, rotation: DQuat::from_array(by) };
+            let twin_pose = hullmap::Pose::new(pose.translation, pose.rotation).unwrap();
             let along_x = hullmap::Ray::new(DVec3::ZERO, DVec3::X).unwrap();
             let any = hullmap::ray(&twin_other, &along_x, &hullmap::CastSettings::default());
-            let mut hit = types::RayHit::from(any);
-            let mut impact = types::Impact::from(hullmap::Impact::default());
-            let (mut bounds, mut support) = (types::Bounds::default(), [types::Support::default(); 2]);
+            let mut hit = any;
+            let mut impact = types::Impact::default();
+            let (mut bounds, mut support) = (types::Bounds::default(), [types::SupportPoint::default(); 2]);
             let mut point = hullmap::signed_distance(
                 &twin_other,
                 DVec3::ZERO,
                 &hullmap::Settings::default(),
                 &mut hullmap::Cache::new(),
             )
-            .map(types::SignedDistance::from)
             .unwrap();
-            let directions = [vector(direction), vector(origin)];
+            let directions = [direction, origin];
             // SAFETY: the pointers are valid.
             let codes = unsafe {
                 [
-                    hullmap_ray(shape.0, vector(origin), vector(direction), null(), &raw mut hit),
-                    hullmap_signed_distance(shape.0, vector(target), null(), warm.0, &raw mut point),
-                    hullmap_cast(shape.0, other.0, &raw const pose, vector(direction), null(), warm.0, &raw mut impact),
+                    hullmap_ray(shape.0, origin, direction, null(), &raw mut hit),
+                    hullmap_signed_distance(shape.0, target, null(), warm.0, &raw mut point),
+                    hullmap_cast(shape.0, other.0, &raw const pose, direction, null(), warm.0, &raw mut impact),
                     hullmap_bounds(shape.0, &raw const pose, &raw mut bounds),
                     hullmap_support(shape.0, directions.as_ptr(), 2, support.as_mut_ptr()),
                 ]
@@ -56,31 +52,27 @@ fn rays_casts_points_and_bounds_have_the_same_bits() {
                 (hullmap::Ray::new(origin, direction).unwrap(), hullmap::Motion::new(direction).unwrap());
             let (settings, cast_settings) = (hullmap::Settings::default(), hullmap::CastSettings::default());
             let expected = hullmap::ray(twin, &ray, &cast_settings);
-            same!(hit, expected; t t_lower t_upper; point normal; hit iterations support_calls);
-            assert_eq!(hit.hull, expected.part);
+            same(&hit, &expected);
             let expected = hullmap::signed_distance(twin, target, &settings, &mut twin_cache).unwrap();
-            same!(point, expected; distance lower upper; point normal; iterations support_calls);
-            assert_eq!(point.hull, expected.part);
+            same(&point, &expected);
             let expected = hullmap::cast(twin, &twin_other, twin_pose, motion, &cast_settings, &mut twin_cache);
-            same!(impact, expected; t t_lower t_upper; normal point_a point_b; hit iterations support_calls);
-            assert_eq!([impact.hull_a, impact.hull_b], expected.parts);
+            same(&impact, &expected);
             let is_plane = matches!(twin, SharedGeometry::HalfSpace(_));
             let [of_bounds, of_support] = [!is_plane, twin.as_shape().is_some()]
                 .map(|is_known| if is_known { Code::Ok } else { Code::Unsupported });
             assert_eq!(codes, [Code::Ok, Code::Ok, Code::Ok, of_bounds, of_support]);
             if let Some(expected) = twin.bounds_under(twin_pose) {
-                assert_eq!([bounds.min, bounds.max].map(bits), [expected.min, expected.max].map(|v| bits(vector(v))));
+                same(&bounds, &expected);
             }
             if let Some(twin) = twin.as_shape() {
                 for (found, direction) in support.iter().zip([direction, origin]) {
-                    let expected = twin.support_point(direction);
-                    assert_eq!((bits(found.point), found.feature), (bits(vector(expected.point)), expected.feature));
+                    same(found, &twin.support_point(direction));
                 }
                 total += 1;
                 hits += usize::from(hit.hit);
             } else if twin.has_parts() {
                 assert!(message().contains("hullmap_shape_hull"), "{}", message());
-                hulls_near[point.hull as usize] += 1;
+                hulls_near[point.part as usize] += 1;
             }
         }
     }

@@ -1,6 +1,9 @@
 //! Facts and arrays of a hull, the primitive that may replace it, and mass properties of a pack.
 
-use super::geometry::{Bounds, Pose, Vec3};
+use hullmap::glam::DVec3;
+use hullmap::{Bounds, MassSource};
+
+use super::geometry::Pose;
 
 /// Kind of solid that convex parts were measured against: HullmapHullFacts.solid.
 #[repr(u32)]
@@ -62,7 +65,7 @@ pub struct HullFacts {
     /// Surface area: both sides of a polygon, 0 below rank 2.
     pub surface_area: f64,
     /// Centre of mass at uniform density.
-    pub centroid: Vec3,
+    pub centroid: DVec3,
     /// Inertia tensor about the centroid at density 1, row by row; symmetric. For a density d or a
     /// mass m, multiply it by d, or by m / volume.
     pub inertia: [f64; 9],
@@ -71,7 +74,7 @@ pub struct HullFacts {
     /// Maximum distance between two vertices.
     pub diameter: f64,
     /// A point in the hull, far from its surface.
-    pub interior_point: Vec3,
+    pub interior_point: DVec3,
     /// Radius of a ball around interior_point that the hull contains; 0 for a flat hull.
     pub inner_radius: f64,
     /// Radius of a ball around interior_point that contains the hull.
@@ -82,7 +85,7 @@ pub struct HullFacts {
     /// exact hull.
     pub outer_error: f64,
     /// Origin of the hull's frame in the source file's frame; zero unless the bake recentred.
-    pub origin: Vec3,
+    pub origin: DVec3,
     /// Number of convex parts of its source object; 0 for a hull that is not a part.
     pub part_count: u32,
     /// A HullmapSolid: kind of solid that the part was measured against. With
@@ -93,7 +96,7 @@ pub struct HullFacts {
     /// Upper bound on how far a point of the part lies outside the mesh's solid.
     pub protrusion: f64,
     /// The point of the part that protrudes most, as far as the bake found.
-    pub protrusion_at: Vec3,
+    pub protrusion_at: DVec3,
     /// Share of the mesh's solid that is in no part, from 0 to 1; -1 if it is not recorded.
     pub voids: f64,
     /// Error of voids, from 0 to 1.
@@ -146,25 +149,6 @@ pub struct Replacement {
     pub protrusion: f64,
 }
 
-/// The solid that mass properties describe: HullmapMassProperties.source.
-#[repr(u32)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MassSource {
-    /// The hulls. Parts of a mesh overlap, so their mass is too large, up to about twice.
-    Hulls = 0,
-    /// The mesh that the hulls were baked from.
-    Mesh = 1,
-}
-
-impl From<hullmap::MassSource> for MassSource {
-    fn from(source: hullmap::MassSource) -> Self {
-        match source {
-            hullmap::MassSource::Hulls => Self::Hulls,
-            hullmap::MassSource::Mesh => Self::Mesh,
-        }
-    }
-}
-
 /// Mass properties of a rigid body, from hullmap_pack_mass_properties.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -172,11 +156,11 @@ pub struct MassProperties {
     /// Mass: density times volume.
     pub mass: f64,
     /// Centre of mass, in the frame of the pack.
-    pub center_of_mass: Vec3,
+    pub center_of_mass: DVec3,
     /// Inertia tensor about the centre of mass, row by row; symmetric.
     pub inertia: [f64; 9],
-    /// A HullmapMassSource.
-    pub source: u32,
+    /// The solid that these are the properties of.
+    pub source: MassSource,
 }
 
 /// The arrays of a hull: pointers into the pack, for reading only. They are valid as long as the

@@ -1,7 +1,7 @@
 //! Points of contact manifolds.
 
-use super::geometry::Vec3;
-use super::status::Status;
+use hullmap::Status;
+use hullmap::glam::DVec3;
 
 /// Kind of feature that a manifold point lies on.
 #[repr(u32)]
@@ -45,13 +45,13 @@ impl From<hullmap::manifold::FeatureId> for Feature {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldPoint {
     /// Unit vector from A to B; the same for all points of a pair of hulls.
-    pub normal: Vec3,
+    pub normal: DVec3,
     /// The point on A.
-    pub point_a: Vec3,
+    pub point_a: DVec3,
     /// The point on B.
-    pub point_b: Vec3,
+    pub point_b: DVec3,
     /// The point on B, in B's frame.
-    pub local_b: Vec3,
+    pub local_b: DVec3,
     /// Penetration depth at this point; negative if the surfaces are separated there.
     pub depth: f64,
     /// Owned by the caller; 0 in a new point. For the accumulated impulse along the normal and two
@@ -61,10 +61,8 @@ pub struct ManifoldPoint {
     pub user_data: u64,
     /// Number of earlier updates in which the point was present.
     pub age: u32,
-    /// For a compound, the hull of A; otherwise 0.
-    pub hull_a: u32,
-    /// For a compound, the hull of B; otherwise 0.
-    pub hull_b: u32,
+    /// The parts of A and of B that touch, as in HullmapContact.
+    pub parts: [u32; 2],
     /// The feature of A.
     pub feature_a: Feature,
     /// The feature of B.

@@ -1,10 +1,11 @@
 //! Structs and enums of the header: plain numbers, laid out as C does.
 //!
-//! Documentation comments become comments of the header, so they speak of C names.
+//! Answers are the structs of `hullmap` itself, which have this layout. Here are those that C sees
+//! in another way: arguments, which are checked, and handles' contents. Documentation comments
+//! become comments of the header, so they use C names.
 
 #![forbid(unsafe_code)]
 
-mod answers;
 mod facts;
 mod geometry;
 mod manifold;
@@ -12,17 +13,17 @@ mod motion;
 mod result;
 mod settings;
 mod sheet;
-mod status;
 
-pub use answers::{Contact, Distance, Impact, Intersection, RayHit, SignedDistance, Support};
-pub use facts::{HullArrays, HullFacts, MassProperties, MassSource, PrimitiveKind, Replacement, Solid, Text};
-pub use geometry::{Bounds, Pose, Quat, Vec3};
-pub use manifold::{Feature, FeatureKind, ManifoldPoint, ManifoldPoints};
-pub use motion::{
-    ClearSettings, Clearance, Derivatives, Differentiability, Motion, MotionKind, MotionSettings, TimeOfImpact,
-    Verdict, WitnessDerivatives,
+pub use facts::{HullArrays, HullFacts, MassProperties, PrimitiveKind, Replacement, Solid, Text};
+pub use geometry::Pose;
+pub use hullmap::glam::{DQuat, DVec3};
+pub use hullmap::height_field::{Diagonal, Ground};
+pub use hullmap::{
+    Bounds, Clearance, Contact, Derivatives, Differentiability, Distance, EdgeClass, Impact, Intersection, MassSource,
+    Overlap, RayHit, SignedDistance, Status, SupportPoint, TimeOfImpact, Verdict, WitnessDerivatives,
 };
+pub use manifold::{Feature, FeatureKind, ManifoldPoint, ManifoldPoints};
+pub use motion::{ClearSettings, Motion, MotionKind, MotionSettings};
 pub use result::{ABI_VERSION, OPEN_BORROW, OPEN_MAP, OPEN_SKIP_CONTENTS, Result};
 pub use settings::{CastSettings, ManifoldSettings, Prediction, Settings};
-pub use sheet::{Diagonal, EdgeClass, FieldGround, FieldLayout, MeshTriangle};
-pub use status::{Overlap, Status};
+pub use sheet::{FieldLayout, MeshTriangle};

@@ -1,51 +1,22 @@
 //! Triangles of meshes and of height fields, and the grid of a field.
 
-use super::geometry::Vec3;
-
-/// What an edge of a triangle is, seen from the front: HullmapMeshTriangle.edge_classes.
-#[repr(u32)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EdgeClass {
-    /// No other triangle has the edge.
-    Border = 0,
-    /// The neighbour continues in the same plane.
-    Flat = 1,
-    /// A ridge.
-    Convex = 2,
-    /// A valley.
-    Concave = 3,
-    /// More than two triangles have the edge.
-    NonManifold = 4,
-    /// The neighbour has the other side in front.
-    Reversed = 5,
-}
-
-impl From<hullmap::EdgeClass> for EdgeClass {
-    fn from(class: hullmap::EdgeClass) -> Self {
-        match class {
-            hullmap::EdgeClass::Border => Self::Border,
-            hullmap::EdgeClass::Flat => Self::Flat,
-            hullmap::EdgeClass::Convex => Self::Convex,
-            hullmap::EdgeClass::Concave => Self::Concave,
-            hullmap::EdgeClass::NonManifold => Self::NonManifold,
-            hullmap::EdgeClass::Reversed => Self::Reversed,
-        }
-    }
-}
+use hullmap::EdgeClass;
+use hullmap::glam::DVec3;
+use hullmap::height_field::Diagonal;
 
 /// A triangle of a mesh or of a height field. Edge i goes from corner i to the next one.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshTriangle {
     /// Its corners, counter-clockwise seen from the front, which is above for a field.
-    pub corners: [Vec3; 3],
+    pub corners: [DVec3; 3],
     /// Indices of the corners among the vertices of the mesh. Of a field: row times columns plus
     /// column.
     pub vertices: [u32; 3],
     /// The triangles beyond its edges; UINT32_MAX where there is none, or more than one.
     pub neighbours: [u32; 3],
-    /// Classes of its edges: a HullmapEdgeClass each.
-    pub edge_classes: [u32; 3],
+    /// Classes of its edges.
+    pub edge_classes: [EdgeClass; 3],
     /// Its index in the mesh that was baked; of a field, its own index.
     pub source_triangle: u32,
     /// Its material; 0 without one.
@@ -55,10 +26,10 @@ pub struct MeshTriangle {
 impl MeshTriangle {
     pub(crate) fn from_mesh(mesh: &hullmap::TriangleMesh, index: usize) -> Option<Self> {
         Some(Self {
-            corners: mesh.triangle(index)?.corners().map(Into::into),
+            corners: mesh.triangle(index)?.corners(),
             vertices: mesh.corners(index)?,
             neighbours: mesh.neighbours(index)?.map(|neighbour| neighbour.unwrap_or(u32::MAX)),
-            edge_classes: mesh.edge_classes(index)?.map(|class| EdgeClass::from(class) as u32),
+            edge_classes: mesh.edge_classes(index)?,
             source_triangle: mesh.source_triangle(index)?,
             material: u32::from(mesh.material(index)?),
         })
@@ -67,24 +38,14 @@ impl MeshTriangle {
     pub(crate) fn from_field(field: &hullmap::HeightField, index: usize) -> Option<Self> {
         let layout = field.layout();
         Some(Self {
-            corners: field.triangle(index)?.corners().map(Into::into),
+            corners: field.triangle(index)?.corners(),
             vertices: layout.corners(index).map(|[column, row]| layout.vertex(column, row) as u32),
             neighbours: field.neighbours(index)?.map(|neighbour| neighbour.map_or(u32::MAX, |own| own as u32)),
-            edge_classes: field.edge_classes(index)?.map(|class| EdgeClass::from(class) as u32),
+            edge_classes: field.edge_classes(index)?,
             source_triangle: index as u32,
             material: u32::from(field.material(index)?),
         })
     }
-}
-
-/// The diagonal that divides each cell of a height field: HullmapFieldLayout.diagonal.
-#[repr(u32)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Diagonal {
-    /// From the vertex with the least x and y to that with the greatest.
-    Rising = 0,
-    /// From the greatest x and least y to the least x and greatest y.
-    Falling = 1,
 }
 
 /// The grid of a height field. Vertex (column, row) is at origin + column times spacing along x,
@@ -101,8 +62,8 @@ pub struct FieldLayout {
     pub origin: [f64; 2],
     /// Distance of neighbouring vertices along x and along y.
     pub spacing: [f64; 2],
-    /// A HullmapDiagonal.
-    pub diagonal: u32,
+    /// The diagonal that divides each cell.
+    pub diagonal: Diagonal,
     /// Number of cells that are holes. A hole has no triangles, but their indices are reserved.
     pub holes: usize,
 }
@@ -110,28 +71,6 @@ pub struct FieldLayout {
 impl FieldLayout {
     pub(crate) fn from_field(field: &hullmap::HeightField) -> Self {
         let hullmap::height_field::Layout { columns, rows, origin, spacing, diagonal } = *field.layout();
-        let diagonal = match diagonal {
-            hullmap::height_field::Diagonal::Rising => Diagonal::Rising,
-            hullmap::height_field::Diagonal::Falling => Diagonal::Falling,
-        };
-        Self { columns, rows, origin, spacing, diagonal: diagonal as u32, holes: field.hole_count() }
-    }
-}
-
-/// The ground of a height field at a point of the plane.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FieldGround {
-    /// z of the surface.
-    pub height: f64,
-    /// Upward unit normal of the triangle.
-    pub normal: Vec3,
-    /// The triangle.
-    pub triangle: usize,
-}
-
-impl From<hullmap::height_field::Ground> for FieldGround {
-    fn from(found: hullmap::height_field::Ground) -> Self {
-        Self { height: found.height, normal: found.normal.into(), triangle: found.triangle }
+        Self { columns, rows, origin, spacing, diagonal, holes: field.hole_count() }
     }
 }

@@ -188,7 +188,7 @@ static void unchecked(void) {
             pose.translation.z = 0.4 * i;
             pose.rotation.y = 0.1 * i;
             HullmapVec3 direction = {0.1 * i, -1.0, 0.3};
-            HullmapSupport support;
+            HullmapSupportPoint support;
             HullmapContact contact;
             HullmapDistance gap;
             HullmapManifoldPoints points;
@@ -215,8 +215,8 @@ static void packs(const HullmapPack *pack) {
     HullmapHullFacts facts;
     HullmapHullArrays arrays;
     EXPECT(hullmap_pack_hull_count(NULL) == 0);
-    FAILS(HULLMAP_RESULT_NOT_FOUND, "bake inspect", hullmap_pack_find(pack, "no such hull", &index));
-    FAILS(HULLMAP_RESULT_NOT_FOUND, "named", hullmap_pack_find(pack, "\xff\xfe", &index));
+    FAILS(HULLMAP_RESULT_NOT_FOUND, "the pack has 1 (table)", hullmap_pack_find(pack, "no such hull", &index));
+    FAILS(HULLMAP_RESULT_NOT_FOUND, "the pack has 1 (table)", hullmap_pack_find(pack, "\xff\xfe", &index));
     FAILS(HULLMAP_RESULT_NULL, "name", hullmap_pack_find(pack, NULL, &index));
     FAILS(HULLMAP_RESULT_NULL, "index", hullmap_pack_find(pack, "x", NULL));
     facts.struct_size = sizeof facts;
@@ -289,7 +289,7 @@ static void queries(const HullmapPack *pack) {
     HullmapRayHit hit;
     HullmapSignedDistance signed_distance;
     HullmapBounds bounds;
-    HullmapSupport support;
+    HullmapSupportPoint support;
 
     /* NULL in each place. */
     FAILS(HULLMAP_RESULT_NULL, "a is", hullmap_contact(NULL, hull, &pose, NULL, cache, &contact));
@@ -381,9 +381,9 @@ static void queries(const HullmapPack *pack) {
     OK(hullmap_contact(hull, floor, &pose, NULL, NULL, &contact));
     FAILS(HULLMAP_RESULT_UNSUPPORTED, "two half-spaces", hullmap_contact(floor, floor, &pose, NULL, NULL, &contact));
     OK(hullmap_cast(both, hull, &pose, up, NULL, NULL, &impact));
-    EXPECT(impact.hull_a == 0 && impact.hull_b == 0);
+    EXPECT(impact.parts[0] == 0 && impact.parts[1] == 0);
     OK(hullmap_ray(both, up, up, NULL, &hit));
-    EXPECT(hit.hull == 0);
+    EXPECT(hit.part == 0);
     FAILS(HULLMAP_RESULT_UNSUPPORTED, "one by one", hullmap_support(both, &up, 1, &support));
     FAILS(HULLMAP_RESULT_UNSUPPORTED, "unbounded", hullmap_bounds(floor, &pose, &bounds));
 
@@ -537,7 +537,7 @@ static void moving(void) {
     OK(hullmap_cast_motion(rod, &turning, wall, &still, NULL, NULL, &found, &by));
     EXPECT(found.hit && found.t_lower <= found.t && found.t <= found.t_upper);
     EXPECT(found.t > 0.4014 && found.t < 0.4016);
-    EXPECT(by.differentiability <= HULLMAP_DIFFERENTIABILITY_INACCURATE);
+    EXPECT(by.status <= HULLMAP_DIFFERENTIABILITY_INACCURATE);
     OK(hullmap_clear(rod, &turning, wall, &still, NULL, NULL, &clear));
     EXPECT(clear.verdict == HULLMAP_VERDICT_HIT && clear.t_lower <= found.t_upper);
     still.start.translation.y = 1.5;
@@ -586,12 +586,12 @@ static void moving(void) {
     pose.translation.x = 3.0;
     HullmapWitnessDerivatives witness;
     OK(hullmap_distance_derivatives(ball, ball, &pose, NULL, NULL, &gap, &by, &witness));
-    EXPECT(by.differentiability == HULLMAP_DIFFERENTIABILITY_UNIQUE);
-    EXPECT(fabs(gap.distance - 2.0) < 1e-12 && fabs(by.by_b[0] - 1.0) < 1e-12 && fabs(by.by_a[0] + 1.0) < 1e-12);
+    EXPECT(by.status == HULLMAP_DIFFERENTIABILITY_UNIQUE);
+    EXPECT(fabs(gap.distance - 2.0) < 1e-12 && fabs(by.by_b.linear.x - 1.0) < 1e-12 && fabs(by.by_a.linear.x + 1.0) < 1e-12);
     /* If B moves along y, the normal turns by a third of that per metre. */
-    EXPECT(witness.differentiability == HULLMAP_DIFFERENTIABILITY_UNIQUE && fabs(witness.normal_by_b[1][1] - 1.0 / 3.0) < 1e-12);
+    EXPECT(witness.status == HULLMAP_DIFFERENTIABILITY_UNIQUE && fabs(witness.by_b.normal[1][1] - 1.0 / 3.0) < 1e-12);
     OK(hullmap_contact_derivatives(ball, ball, &pose, NULL, NULL, &contact, &by, &witness));
-    EXPECT(!contact.hit && by.differentiability == HULLMAP_DIFFERENTIABILITY_MISSING && by.by_b[0] == 0.0);
+    EXPECT(!contact.hit && by.status == HULLMAP_DIFFERENTIABILITY_MISSING && by.by_b.linear.x == 0.0);
     FAILS(HULLMAP_RESULT_UNSUPPORTED, "derivatives", hullmap_distance_derivatives(both, ball, &pose, NULL, NULL, &gap, &by, NULL));
     FAILS(HULLMAP_RESULT_NULL, "derivatives", hullmap_distance_derivatives(ball, ball, &pose, NULL, NULL, &gap, NULL, NULL));
     HullmapShape *shapes[6] = {hull, both, rod, wall, floor, ball};

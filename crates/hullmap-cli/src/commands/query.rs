@@ -13,57 +13,15 @@ use crate::table::{Align, Table, or_dash};
 use crate::terminal::Output;
 use hullmap_bake::number::rounded;
 
-/// Field names are the JSON's; fields that the mode does not compute are `None`.
+/// A line of JSON, or a row of the table.
 #[derive(Debug, Serialize)]
 struct PoseAnswer {
     pose: usize,
-    hit: Option<bool>,
-    status: &'static str,
-    depth: Option<f64>,
-    depth_lower: Option<f64>,
-    depth_upper: Option<f64>,
-    distance: Option<f64>,
-    distance_lower: Option<f64>,
-    distance_upper: Option<f64>,
-    normal: Option<[f64; 3]>,
-    point_a: Option<[f64; 3]>,
-    point_b: Option<[f64; 3]>,
-    iterations: u32,
-    support_calls: u32,
+    #[serde(flatten)]
+    answer: PairAnswer,
     /// Name of the deciding hull of A, if A or B has several, or the index of a triangle.
     hull_a: Option<String>,
     hull_b: Option<String>,
-}
-
-impl PoseAnswer {
-    fn new(pose: usize, answer: PairAnswer) -> Self {
-        let PairAnswer { hit, status, depth, distance, normal, point_a, point_b, iterations, support_calls, .. } =
-            answer;
-        let [depth, depth_lower, depth_upper] = bounded(depth);
-        let [distance, distance_lower, distance_upper] = bounded(distance);
-        Self {
-            pose,
-            hit,
-            status,
-            depth,
-            depth_lower,
-            depth_upper,
-            distance,
-            distance_lower,
-            distance_upper,
-            normal,
-            point_a,
-            point_b,
-            iterations,
-            support_calls,
-            hull_a: None,
-            hull_b: None,
-        }
-    }
-}
-
-fn bounded(values: Option<[f64; 3]>) -> [Option<f64>; 3] {
-    values.map_or([None; 3], |values| values.map(Some))
 }
 
 /// All arguments are checked before the first answer.
@@ -79,7 +37,7 @@ pub fn run(args: &QueryArgs, out: &mut Output) -> Result<Exit, Failure> {
         let answer = solver.query(pose, args.mode);
         let names = |[in_a, in_b]: [u32; 2]| [a.part_name(in_a), b.part_name(in_b)];
         let [hull_a, hull_b] = answer.parts.filter(|_| names_parts).map_or([None, None], names);
-        let report = PoseAnswer { hull_a, hull_b, ..PoseAnswer::new(index, answer) };
+        let report = PoseAnswer { pose: index, answer, hull_a, hull_b };
         if args.json {
             out.json(&report)?;
         } else {
@@ -146,21 +104,22 @@ fn table(mode: Mode, names_hulls: bool) -> Table {
 }
 
 fn row(report: &PoseAnswer, mode: Mode, names_hulls: bool) -> Vec<String> {
-    let hit = or_dash(report.hit, |hit| if hit { "yes" } else { "no" }.to_owned());
-    let mut cells = vec![report.pose.to_string(), hit, report.status.to_owned()];
+    let answer = &report.answer;
+    let hit = or_dash(answer.hit, |hit| if hit { "yes" } else { "no" }.to_owned());
+    let mut cells = vec![report.pose.to_string(), hit, answer.status.to_owned()];
     if names_hulls {
         cells.extend([&report.hull_a, &report.hull_b].map(|name| or_dash(name.as_ref(), String::clone)));
     }
     let length = |value: Option<f64>| or_dash(value, rounded);
     let triple = |value: Option<[f64; 3]>| or_dash(value, |value| value.map(rounded).join(" "));
     if mode == Mode::Contact {
-        cells.push(length(report.depth));
+        cells.push(length(answer.depth));
     }
     if mode != Mode::Intersect {
-        cells.push(length(report.distance));
-        cells.extend([report.normal, report.point_a, report.point_b].map(triple));
+        cells.push(length(answer.distance));
+        cells.extend([answer.normal, answer.point_a, answer.point_b].map(triple));
     }
-    cells.extend([report.iterations, report.support_calls].map(|count| count.to_string()));
+    cells.extend([answer.iterations, answer.support_calls].map(|count| count.to_string()));
     cells
 }
 
@@ -168,6 +127,10 @@ fn row(report: &PoseAnswer, mode: Mode, names_hulls: bool) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::args::{Command, parse};
+
+    fn first(answer: PairAnswer) -> PoseAnswer {
+        PoseAnswer { pose: 0, answer, hull_a: None, hull_b: None }
+    }
 
     fn args(words: &[&str]) -> QueryArgs {
         let line = ["bake", "query", "a", "b"].into_iter().chain(words.iter().copied());
@@ -191,8 +154,8 @@ mod tests {
 
     #[test]
     fn json_has_the_stable_fields() {
-        let answer = PairAnswer { hit: Some(true), depth: Some([0.5, 0.4, 0.6]), ..PairAnswer::default() };
-        let report = serde_json::to_value(PoseAnswer::new(0, answer)).unwrap();
+        let answer = PairAnswer { hit: Some(true), depth: Some(0.5), depth_lower: Some(0.4), ..PairAnswer::default() };
+        let report = serde_json::to_value(first(answer)).unwrap();
         for key in [
             "hit",
             "status",
@@ -215,8 +178,8 @@ mod tests {
 
     #[test]
     fn small_numbers_keep_their_digits() {
-        let answer = PairAnswer { depth: Some([1.25e-7; 3]), normal: Some([0.0, 1.0, -3e-9]), ..PairAnswer::default() };
-        let cells = row(&PoseAnswer::new(0, answer), Mode::Contact, false);
+        let answer = PairAnswer { depth: Some(1.25e-7), normal: Some([0.0, 1.0, -3e-9]), ..PairAnswer::default() };
+        let cells = row(&first(answer), Mode::Contact, false);
         assert!(cells.contains(&"1.25e-7".to_owned()) && cells.contains(&"0 1 -3e-9".to_owned()), "{cells:?}");
     }
 
@@ -225,7 +188,7 @@ mod tests {
         for mode in [Mode::Intersect, Mode::Distance, Mode::Contact] {
             for names_hulls in [false, true] {
                 let mut table = table(mode, names_hulls);
-                table.push(row(&PoseAnswer::new(0, PairAnswer::default()), mode, names_hulls));
+                table.push(row(&first(PairAnswer::default()), mode, names_hulls));
                 let mut out = Vec::new();
                 table.write(&mut Output::new(&mut out)).unwrap();
                 assert_eq!(String::from_utf8(out).unwrap().lines().count(), 2);

@@ -10,13 +10,14 @@ use std::fmt;
 type Corners = [[u32; 2]; 3];
 
 /// The diagonal that divides each cell.
+#[repr(u32)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Diagonal {
     /// From the vertex with the least x and y to that with the greatest.
     #[default]
-    Rising,
+    Rising = 0,
     /// From the greatest x and least y to the least x and greatest y.
-    Falling,
+    Falling = 1,
 }
 
 impl Diagonal {

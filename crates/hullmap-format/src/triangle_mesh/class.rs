@@ -9,21 +9,22 @@ use std::fmt;
 pub const FLAT_SINE: f64 = 1e-3;
 
 /// Class of an edge of a triangle.
+#[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EdgeClass {
     /// No other triangle has the edge.
-    Border,
-    /// The neighbour continues in the same plane, to within [`FLAT_SINE`].
-    Flat,
+    Border = 0,
+    /// The neighbour continues in the same plane, to within a sine of 1e-3.
+    Flat = 1,
     /// A ridge: the neighbour falls behind the plane of the triangle.
-    Convex,
+    Convex = 2,
     /// A valley: the neighbour rises before the plane of the triangle.
-    Concave,
+    Concave = 3,
     /// More than two triangles have the edge.
-    NonManifold,
+    NonManifold = 4,
     /// The neighbour's front is on the other side: both triangles have the edge in the same
     /// direction.
-    Reversed,
+    Reversed = 5,
 }
 
 impl EdgeClass {

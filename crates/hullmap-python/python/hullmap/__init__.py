@@ -18,6 +18,19 @@ Queries run on all processors, without holding Python's global lock.
 
 from __future__ import annotations
 
+from ._answers import (
+    Clearance,
+    Contact,
+    Differentiability,
+    Distance,
+    Impact,
+    Intersection,
+    Overlap,
+    RayHit,
+    SignedDistance,
+    Status,
+    Verdict,
+)
 from ._bake import bake, bake_file, bake_parts
 from ._export import from_trimesh, to_mjcf, to_trimesh, to_urdf
 from ._hullmap import (
@@ -31,7 +44,6 @@ from ._hullmap import (
     __version__,
 )
 from ._motion import (
-    Clearance,
     Derivatives,
     Motion,
     TimeOfImpact,
@@ -45,23 +57,7 @@ from ._motion import (
 from ._options import BakeOptions
 from ._pairs import Pairs
 from ._poses import poses, relative
-from ._results import (
-    Contact,
-    Differentiability,
-    Distance,
-    Impact,
-    Intersection,
-    Manifold,
-    MassProperties,
-    Overlap,
-    PairManifolds,
-    Primitive,
-    RayHit,
-    SignedDistance,
-    Status,
-    Support,
-    Verdict,
-)
+from ._results import Manifold, MassProperties, PairManifolds, Primitive, Support
 from ._robot import Robot, RobotClearance, RobotEdges, Skipped
 from ._shapes import (
     Box,

@@ -15,11 +15,12 @@ from typing import Any, Literal, Optional, Sequence, Tuple
 import numpy as np
 import numpy.typing as npt
 
+from ._answers import Differentiability, Status
 from ._arrays import Floats
 from ._hullmap import ArrayError, Error
 from ._motion import Motion, cast_motion, derivatives, ray_derivatives
 from ._poses import relative
-from ._results import Codes, Differentiability, Status
+from ._results import Codes
 from ._robot import Robot
 from ._shapes import Shape
 

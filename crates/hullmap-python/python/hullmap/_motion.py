@@ -9,10 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _hullmap
-from ._arrays import Counts, Floats, joint, number, transforms, vectors
+from ._answers import Clearance
+from ._answers import TimeOfImpact as _TimeOfImpact
+from ._arrays import Floats, joint, number, transforms, vectors
 from ._hullmap import ArrayError
-from ._results import Codes, Flags, _Answer
-from ._shapes import MAX_ITERATIONS, RAY_TOLERANCE, TOLERANCE, Shape, _count, native, settings_of
+from ._results import Codes, _Answer
+from ._shapes import MAX_ITERATIONS, RAY_TOLERANCE, TOLERANCE, Shape, native, settings_of
 
 MOTION_TOLERANCE = 1e-6
 """Default tolerance of motions."""
@@ -94,30 +96,10 @@ def _beside(columns: Any) -> Tuple[Floats, Tuple[int, ...]]:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TimeOfImpact(_Answer):
-    """When shapes that move and turn first meet. Points and directions are in the common frame of the motions."""
+class TimeOfImpact(_TimeOfImpact):
+    """When shapes that move and turn first meet, and the derivatives of that time. Points and directions are in the
+    common frame of the motions."""
 
-    hit: Flags
-    """False only if it is certain that the shapes do not meet until time 1."""
-    t: Floats
-    """Time of impact; infinite if there is no hit."""
-    t_lower: Floats
-    """Until then, the shapes certainly are farther apart than the target distance."""
-    t_upper: Floats
-    """At this time, the shapes certainly are within the target distance. Infinite if no such time was found."""
-    status: Codes
-    """Codes of `Status`."""
-    normal: Floats
-    """Unit vector from A to B at ``t_lower``; (..., 3)."""
-    point_a: Floats
-    """Point of A closest to B at ``t_lower``; (..., 3)."""
-    point_b: Floats
-    """Point of B closest to A at ``t_lower``; (..., 3)."""
-    iterations: Counts
-    """Number of distance and contact queries."""
-    support_calls: Counts
-    parts: Counts
-    """Indices of the hulls or triangles in A and in B that meet first; (..., 2)."""
     differentiability: Codes
     """Codes of `Differentiability`: whether ``by_a`` and ``by_b`` are derivatives."""
     by_a: Floats
@@ -125,30 +107,6 @@ class TimeOfImpact(_Answer):
     each radian about the origin of A's frame at the impact; (..., 6)."""
     by_b: Floats
     """The same by a twist of B; (..., 6)."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Clearance(_Answer):
-    """Whether motions are free."""
-
-    verdict: Codes
-    """Codes of `Verdict`."""
-    status: Codes
-    """Codes of `Status`. ``WITHIN``: a hit, or a free motion with the requested clearance. ``OVERLAPPING``: a hit at the
-    start. Otherwise the limit of queries or rounding error stopped the search: the motion is open, or its clearance
-    is smaller."""
-    clearance: Floats
-    """Lower bound of the least distance during a free motion, otherwise 0."""
-    nearest: Floats
-    """Upper bound of the least distance: the shapes are this near at some time that was tried."""
-    t_lower: Floats
-    """Until then, the shapes certainly are farther apart than the margin."""
-    t_upper: Floats
-    """At this time, the shapes certainly are within the margin. Infinite if no such time is known."""
-    iterations: Counts
-    support_calls: Counts
-    parts: Counts
-    """Of a hit: indices of the hulls or triangles in A and in B that meet first; (..., 2)."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -8,9 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _hullmap
+from ._answers import Contact, Distance, Impact, Intersection
 from ._arrays import Counts, Floats, indices, number, transforms, vectors
 from ._hullmap import ArrayError
-from ._results import Contact, Distance, Impact, Intersection, Manifold, PairManifolds
+from ._results import Manifold, PairManifolds
 from ._shapes import MAX_ITERATIONS, RAY_TOLERANCE, TOLERANCE, Poses, Shape, length_of, native, pairs_of, settings_of
 
 

@@ -1,4 +1,4 @@
-"""Answers: a class for each query, with an array for each field."""
+"""The base of answers, and those that Python has in a form of its own."""
 
 from __future__ import annotations
 
@@ -17,100 +17,21 @@ Codes = npt.NDArray[np.uint8]
 Flags = npt.NDArray[np.bool_]
 
 
-class Status(IntEnum):
-    """How a query ended, and thus how narrow its interval is. Whatever it is, the interval contains
-    the true value.
-
-    >>> import hullmap
-    >>> ball = hullmap.Sphere(1.0)
-    >>> gap = ball.distance(ball, hullmap.poses([[3, 0, 0], [1, 0, 0]]))
-    >>> gap.status == hullmap.Status.OVERLAPPING
-    array([False,  True])
-    >>> hullmap.Status.words(gap.status)
-    ['exact', 'overlapping']
-    """
-
-    EXACT = 0
-    """The interval is as narrow as rounding error allows."""
-    WITHIN = 1
-    """The interval is within the tolerance."""
-    TOUCHING = 2
-    """The shapes touch: any gap or penetration is below rounding error."""
-    OVERLAPPING = 3
-    """The shapes overlap (distances, rays, casts)."""
-    SEPARATED = 4
-    """The shapes are certainly separated (contacts, rays, casts)."""
-    ITERATION_LIMIT = 5
-    """The iteration limit was reached; the interval is wider than the tolerance."""
-    STALLED = 6
-    """Rounding error stopped all progress; the interval is wider than the tolerance."""
+class _Words(IntEnum):
+    """Base of the codes of words."""
 
     @classmethod
     def words(cls, codes: npt.ArrayLike) -> List[str]:
-        """The words of codes, as the command and Rust write them."""
-        return [cls(int(code)).name.lower() for code in np.ravel(codes)]
+        """The words of codes, as the command and Rust write them.
 
-
-class Overlap(IntEnum):
-    """Whether two shapes share a point."""
-
-    SEPARATED = 0
-    """They share no point: a separating plane proves it."""
-    OVERLAPPING = 1
-    """Their interiors share points."""
-    TOUCHING = 2
-    """They touch: any gap or penetration is below rounding error."""
-    UNDECIDED = 3
-    """Not known: a limit was reached, or rounding error stopped all progress."""
-
-    @classmethod
-    def words(cls, codes: npt.ArrayLike) -> List[str]:
-        """The words of codes, as the command and Rust write them."""
-        return [cls(int(code)).name.lower() for code in np.ravel(codes)]
-
-
-class Verdict(IntEnum):
-    """What is known about a motion or an edge."""
-
-    FREE = 0
-    """Certainly free at all times."""
-    HIT = 1
-    """Certainly a hit at some time."""
-    OPEN = 2
-    """Neither is known: it grazes within rounding error, or the limit of queries was reached."""
-
-    @classmethod
-    def words(cls, codes: npt.ArrayLike) -> List[str]:
-        """The words of codes, as Rust writes them."""
-        return [cls(int(code)).name.lower() for code in np.ravel(codes)]
-
-
-class Differentiability(IntEnum):
-    """Whether a value has a derivative, or the reason why it has none. Then the numbers are a direction for an
-    optimiser, or 0 if there is nothing to differentiate."""
-
-    UNIQUE = 0
-    """There is one pair of points and one normal: this is the derivative."""
-    TOUCHING = 1
-    """The shapes touch, where distance and depth have a kink."""
-    PARALLEL = 2
-    """Faces or edges are parallel, so several pairs of points are as near."""
-    NORMALS = 3
-    """Several normals have the same depth, or several pairs of links are as near."""
-    GRAZING = 4
-    """A motion is parallel to the surface where it meets it."""
-    MISSING = 5
-    """There is nothing to differentiate: no hit, or no depth."""
-    INACCURATE = 6
-    """The value is less accurate than its settings ask for."""
-    FEATURE = 7
-    """Only of normals and points: other vertices, edges or faces are nearest for poses nearby."""
-    CURVED = 8
-    """Only of normals and points: the shape is curved there."""
-
-    @classmethod
-    def words(cls, codes: npt.ArrayLike) -> List[str]:
-        """The words of codes, as Rust writes them."""
+        >>> import hullmap
+        >>> ball = hullmap.Sphere(1.0)
+        >>> gap = ball.distance(ball, hullmap.poses([[3, 0, 0], [1, 0, 0]]))
+        >>> gap.status == hullmap.Status.OVERLAPPING
+        array([False,  True])
+        >>> hullmap.Status.words(gap.status)
+        ['exact', 'overlapping']
+        """
         return [cls(int(code)).name.lower() for code in np.ravel(codes)]
 
 
@@ -180,73 +101,6 @@ class _Answer:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Intersection(_Answer):
-    """Whether shapes share a point."""
-
-    hit: Flags
-    """True unless the shapes are certainly separated: touching and undecided pairs count as hits."""
-    status: Codes
-    """Codes of `Overlap`."""
-    iterations: Counts
-    """Steps of the search."""
-    support_calls: Counts
-    """Support calls; one queries both shapes once."""
-    parts: Counts
-    """Indices of the hulls in A and in B that decided, for packs; (..., 2)."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Distance(_Answer):
-    """Distances of shapes, with the points that realise them. Points and directions are in A's
-    frame."""
-
-    distance: Floats
-    """Length from ``point_a`` to ``point_b``; 0 if the shapes overlap or touch."""
-    lower: Floats
-    """Lower bound, with allowance for rounding error."""
-    upper: Floats
-    """Upper bound, with allowance for rounding error."""
-    status: Codes
-    """Codes of `Status`."""
-    normal: Floats
-    """Unit vector from A to B, of the planes that prove ``lower``; (..., 3)."""
-    point_a: Floats
-    """The point of A closest to B; (..., 3)."""
-    point_b: Floats
-    """The point of B closest to A; (..., 3)."""
-    iterations: Counts
-    support_calls: Counts
-    parts: Counts
-    """Indices of the nearest hulls in A and in B, for packs; (..., 2)."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Contact(_Answer):
-    """Penetration depths of shapes. Points and directions are in A's frame."""
-
-    hit: Flags
-    """False only if a separating plane proves the shapes separated."""
-    depth: Floats
-    """Moving B by this length along ``normal`` makes the shapes touch; 0 if they do not overlap."""
-    depth_lower: Floats
-    """Lower bound, with allowance for rounding error."""
-    depth_upper: Floats
-    """Upper bound, with allowance for rounding error."""
-    status: Codes
-    """Codes of `Status`."""
-    normal: Floats
-    """Unit vector from A to B; (..., 3). NaN for packs that are separated."""
-    point_a: Floats
-    """The point of A deepest in B; (..., 3). NaN for packs that are separated."""
-    point_b: Floats
-    """The point of B deepest in A; (..., 3). NaN for packs that are separated."""
-    iterations: Counts
-    support_calls: Counts
-    parts: Counts
-    """Indices of the deepest hulls in A and in B, for packs; (..., 2)."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
 class Manifold(_Answer):
     """Contact manifolds: up to four points each, on both surfaces, and separated by at most the
     prediction. Unused points are NaN. Points and directions are in A's frame."""
@@ -310,69 +164,6 @@ class PairManifolds(_Answer):
         points = {"point_a": (pairs, 4, 3), "point_b": (pairs, 4, 3), "local_b": (pairs, 4, 3), "depth": (pairs, 4)}
         of_pairs = {"parts": (pairs, 2), "normal": (pairs, 3), "count": (pairs,), "status": (pairs,)}
         return cls._of({**columns, **counts}, lead, {**points, **of_pairs})
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Impact(_Answer):
-    """When B, which translates, first meets A. Points and directions are in A's frame."""
-
-    hit: Flags
-    """False only if it is certain that B misses A up to ``max_t``."""
-    t: Floats
-    """Time of impact: B has moved by t times its velocity. Infinite if there is no hit."""
-    t_lower: Floats
-    t_upper: Floats
-    status: Codes
-    """Codes of `Status`."""
-    normal: Floats
-    point_a: Floats
-    point_b: Floats
-    iterations: Counts
-    support_calls: Counts
-    parts: Counts
-    """Indices of the hulls in A and in B that meet first, for packs; (..., 2)."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class RayHit(_Answer):
-    """Where rays first enter a shape. Points and directions are in its frame."""
-
-    hit: Flags
-    """False only if it is certain that the ray misses up to ``max_t``."""
-    t: Floats
-    """The ray enters at ``origin + t * direction``; infinite if there is no hit."""
-    t_lower: Floats
-    t_upper: Floats
-    status: Codes
-    """Codes of `Status`."""
-    normal: Floats
-    """Unit outward normal at the point; (..., 3)."""
-    point: Floats
-    """The point at t; (..., 3). The origin if there is no hit."""
-    iterations: Counts
-    support_calls: Counts
-    parts: Counts
-    """Index of the hull that is hit, for a pack."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class SignedDistance(_Answer):
-    """Distances of points from the surface of a shape: positive outside, negative inside. For a pack,
-    they are the minimum over its hulls."""
-
-    distance: Floats
-    lower: Floats
-    upper: Floats
-    status: Codes
-    """Codes of `Status`."""
-    normal: Floats
-    """Unit outward normal at ``point``: the gradient of the distance; (..., 3)."""
-    point: Floats
-    """The closest point of the surface; (..., 3)."""
-    iterations: Counts
-    support_calls: Counts
-    parts: Counts
-    """Index of the hull that decided, for a pack."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -352,10 +352,11 @@ class Robot:
         with shown(progress, "clearance") as report:
             count = _product(lead)
             found = self._native.clearance(count, rows, of_links, settings, gradient, threads, report)
-        if not gradient:
+        if gradient:
+            # Robots without joints have no such column.
+            found["gradient"] = np.reshape(found.get("gradient", ()), np.shape(rows))
+        else:
             del found["differentiability"]
-        elif "gradient" not in found:
-            found["gradient"] = np.zeros((count, 0))
         return RobotClearance._of(found, lead)
 
     def clear(

@@ -6,27 +6,16 @@ import operator
 import os
 import tempfile
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Literal, Optional, Sequence, Tuple, Union, overload
+from typing import Any, Iterator, List, Literal, Optional, Sequence, Tuple, Union, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _hullmap
+from ._answers import Contact, Distance, Impact, Intersection, RayHit, SignedDistance
 from ._arrays import Counts, Floats, floats, indices, joint, number, transforms, vector, vectors
 from ._hullmap import ArrayError
-from ._results import (
-    Contact,
-    Distance,
-    Impact,
-    Intersection,
-    Manifold,
-    MassProperties,
-    PairManifolds,
-    Primitive,
-    RayHit,
-    SignedDistance,
-    Support,
-)
+from ._results import Manifold, MassProperties, PairManifolds, Primitive, Support
 
 TOLERANCE = 1e-5
 """Default width of an interval, relative to its upper bound."""

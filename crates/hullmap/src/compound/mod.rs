@@ -60,21 +60,6 @@ use sheet::CandidatePair;
 pub use surface::{SurfaceError, surface_distance};
 use traversal::Traversal;
 
-/// Distance for a pack without hulls, which only an unchecked pack can be: nothing is known.
-const NOTHING_KNOWN: Distance = Distance {
-    status: Status::Stalled,
-    distance: 0.0,
-    lower: 0.0,
-    upper: f64::INFINITY,
-    normal: glam::DVec3::X,
-    point_a: glam::DVec3::ZERO,
-    point_b: glam::DVec3::ZERO,
-    iterations: 0,
-    support_calls: 0,
-    parts: [0; 2],
-    features: [u32::MAX; 2],
-};
-
 /// Indices of two parts, as answers have them.
 fn indices(pair: [usize; 2]) -> [u32; 2] {
     pair.map(|index| index as u32)
@@ -203,7 +188,9 @@ impl<A: Parts + ?Sized, B: Parts + ?Sized> Nearest<'_, A, B> {
 
     fn answer(self) -> (Distance, [usize; 2]) {
         // The first pair of hulls is always queried, and exists in checked packs.
-        let (mut answer, hulls) = self.best.unwrap_or((NOTHING_KNOWN, [0, 0]));
+        // Only an unchecked pack can lack hulls.
+        let nothing = || (Distance { status: Status::Stalled, ..Distance::default() }, [0, 0]);
+        let (mut answer, hulls) = self.best.unwrap_or_else(nothing);
         answer.upper = self.upper;
         if self.lower.0 < answer.lower {
             answer.lower = self.lower.0;

@@ -25,19 +25,6 @@ use crate::solver::motion::{VectorError, checked};
 use crate::solver::signed_distance::signed_distance as of_part;
 use crate::solver::{Cache, Settings, SignedDistance, Status};
 
-/// Answer for a pack without hulls, which only an unchecked pack can lack: nothing is known.
-const NOTHING_KNOWN: SignedDistance = SignedDistance {
-    status: Status::Stalled,
-    distance: 0.0,
-    lower: f64::NEG_INFINITY,
-    upper: f64::INFINITY,
-    point: DVec3::ZERO,
-    normal: DVec3::X,
-    iterations: 0,
-    support_calls: 0,
-    part: 0,
-};
-
 /// Signed distance of `point` from the parts of `a`: the minimum over all of them.
 ///
 /// # Complexity
@@ -113,7 +100,8 @@ impl Nearest {
     }
 
     fn answer(&self, settings: &Settings) -> (SignedDistance, usize) {
-        let (mut answer, part) = self.best.unwrap_or((NOTHING_KNOWN, 0));
+        // Only an unchecked pack can lack hulls.
+        let (mut answer, part) = self.best.unwrap_or_default();
         (answer.iterations, answer.support_calls) = (self.iterations, self.support_calls);
         answer.upper = answer.upper.min(self.upper);
         if self.lower.0 < answer.lower {

@@ -10,6 +10,7 @@ use super::cast_motion::{MotionSettings, search_pair};
 use super::rigid_motion::RigidMotion;
 use super::search::{DIRECTIONS, Goal};
 use super::time_of_impact::TimeOfImpact;
+use crate::fields::{fields, words};
 use crate::solver::{Cache, Status};
 use crate::support::SupportMap;
 
@@ -47,35 +48,22 @@ impl Default for ClearSettings {
 /// ```
 /// assert_eq!(hullmap::Verdict::Free.as_str(), "free");
 /// ```
+#[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Verdict {
     /// The bodies are certainly farther apart than the margin at all times.
-    Free,
+    Free = 0,
     /// They are certainly within the margin at some time.
-    Hit,
+    Hit = 1,
     /// Neither is known: they graze the margin within rounding error, or the limit of queries was
     /// reached.
-    Open,
+    Open = 2,
 }
 
-impl Verdict {
-    /// The verdict as one lower-case word, for JSON and tables. The names are stable.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Free => "free",
-            Self::Hit => "hit",
-            Self::Open => "open",
-        }
-    }
-}
-
-impl std::fmt::Display for Verdict {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.as_str())
-    }
-}
+words!(Verdict { Free = "free" Hit = "hit" Open = "open" });
 
 /// Answer of [`clear`](crate::clear()): whether a motion is free, and with which clearance.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearance {
     /// Whether the motion is free.
@@ -105,10 +93,12 @@ pub struct Clearance {
     pub iterations: u32,
     /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
-    /// The parts of A and of B that meet first if the motion hits, by index: hulls of a compound,
+    /// The parts of A and of B that meet first if the motion hits, by index: hulls of a pack,
     /// triangles of a mesh or a field. 0 otherwise, and for a shape without parts.
     pub parts: [u32; 2],
 }
+
+fields!(Clearance { verdict status clearance nearest t_lower t_upper iterations support_calls parts });
 
 impl Default for Clearance {
     /// An answer that claims nothing. It initialises the slices of a batch.

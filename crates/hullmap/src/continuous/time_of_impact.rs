@@ -2,11 +2,13 @@
 
 use glam::DVec3;
 
+use crate::fields::fields;
 use crate::solver::Status;
 
 /// Answer of [`cast_motion`](crate::cast_motion()): when and where two moving shapes first meet.
 ///
 /// Points and directions are in the common frame of the motions.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeOfImpact {
     /// False only if it is certain that the shapes do not meet until time 1.
@@ -41,10 +43,12 @@ pub struct TimeOfImpact {
     pub iterations: u32,
     /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
-    /// The parts of A and of B that decided the answer, by index: hulls of a compound, triangles of
-    /// a mesh or a field. 0 for a shape without parts.
+    /// The parts of A and of B that decided the answer, by index: hulls of a pack, triangles of a
+    /// mesh or a field. 0 for a shape without parts.
     pub parts: [u32; 2],
 }
+
+fields!(TimeOfImpact { hit status t t_lower t_upper normal point_a point_b iterations support_calls parts });
 
 impl Default for TimeOfImpact {
     /// An answer that claims nothing.

@@ -20,8 +20,8 @@ use crate::support::SupportMap;
 fn between(normal: DVec3, [point_a, point_b]: [DVec3; 2], b_in_a: Pose, status: Differentiability) -> Derivatives {
     Derivatives {
         status,
-        of_a: PoseDerivative::of_height(-normal, point_a, DVec3::ZERO),
-        of_b: PoseDerivative::of_height(normal, point_b, b_in_a.translation()),
+        by_a: PoseDerivative::of_height(-normal, point_a, DVec3::ZERO),
+        by_b: PoseDerivative::of_height(normal, point_b, b_in_a.translation()),
     }
 }
 
@@ -49,9 +49,9 @@ impl Distance {
     /// let gap = distance(&cube, &ball, b_in_a, &Settings::default(), &mut Cache::new());
     /// let by = gap.derivatives(&cube, &ball, b_in_a);
     /// assert_eq!(by.status, Differentiability::Unique);
-    /// assert!(by.of_b.linear.distance(DVec3::X) < 1e-12 && by.of_b.angular.length() < 1e-12);
+    /// assert!(by.by_b.linear.distance(DVec3::X) < 1e-12 && by.by_b.angular.length() < 1e-12);
     /// // Where the cube turns about z, its face at (1, 0.5, 0) recedes from the ball.
-    /// assert!((by.of_a.angular.z - 0.5).abs() < 1e-12);
+    /// assert!((by.by_a.angular.z - 0.5).abs() < 1e-12);
     ///
     /// // Two parallel faces.
     /// let gap = distance(&cube, &cube, b_in_a, &Settings::default(), &mut Cache::new());
@@ -138,7 +138,7 @@ impl Contact {
     ///     found.derivatives(&cube, &ball, b_in_a, &settings, &mut cache)
     /// };
     /// assert_eq!(by(0.5).status, Differentiability::Unique);
-    /// assert!(by(0.5).of_b.linear.distance(DVec3::NEG_X) < 1e-9);
+    /// assert!(by(0.5).by_b.linear.distance(DVec3::NEG_X) < 1e-9);
     /// // As deep along y as along x.
     /// assert_eq!(by(0.75).status, Differentiability::Normals);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -272,7 +272,7 @@ impl SignedDistance {
     /// let inside = signed_distance(&cube, point, &settings, &mut cache)?;
     /// let by = inside.derivatives(&cube, point, &settings, &mut cache);
     /// assert_eq!(by.status, Differentiability::Unique);
-    /// assert!(by.of_b.linear.distance(DVec3::X) < 1e-9 && by.of_a.linear.distance(DVec3::NEG_X) < 1e-9);
+    /// assert!(by.by_b.linear.distance(DVec3::X) < 1e-9 && by.by_a.linear.distance(DVec3::NEG_X) < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn derivatives<S: SupportMap + ?Sized>(

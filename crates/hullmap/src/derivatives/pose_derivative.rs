@@ -1,9 +1,8 @@
 //! Derivative of a length or a time by the poses of two shapes.
 
-use std::fmt;
-
 use glam::DVec3;
 
+use crate::fields::words;
 use crate::pose::Pose;
 
 /// Derivative of a length or a time by the pose of a shape: how much it changes when the shape
@@ -20,6 +19,7 @@ use crate::pose::Pose;
 /// let derivative = PoseDerivative { linear: DVec3::X, angular: DVec3::new(0.0, 0.0, 0.5) };
 /// assert_eq!(derivative.to_array(), [1.0, 0.0, 0.0, 0.0, 0.0, 0.5]);
 /// ```
+#[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PoseDerivative {
     /// By the translation: per unit of length.
@@ -51,76 +51,70 @@ impl PoseDerivative {
 }
 
 /// Whether a length or a time has a derivative, or the reason why it has none.
+#[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Differentiability {
     /// There is one pair of points and one normal within the interval of the answer.
-    Unique,
+    Unique = 0,
     /// The shapes touch, or it is not certain that they do not: distance and depth have a kink at
     /// 0.
-    Touching,
+    Touching = 1,
     /// Faces or edges are parallel within the interval, so several pairs of points have the same
     /// distance: a rotation moves each of them differently.
-    Parallel,
+    Parallel = 2,
     /// Several normals have the same depth within the interval, or a line meets a vertex or an
     /// edge.
-    Normals,
+    Normals = 3,
     /// A ray or a motion is parallel to the surface that it meets, within rounding error.
-    Grazing,
+    Grazing = 4,
     /// There is nothing to differentiate: no hit, an overlap at the start of a motion, or the depth
     /// of a separated pair.
-    Missing,
+    Missing = 5,
     /// The answer is less accurate than its settings require.
-    Inaccurate,
+    Inaccurate = 6,
     /// Only of normals and points: a point is on the border of its face or edge, or the normal is
     /// on the border of the normals of its edge or vertex, within the interval. Other features are
     /// nearest beyond.
-    Feature,
+    Feature = 7,
     /// Only of normals and points: the shape is curved there, and no feature describes how.
-    Curved,
+    Curved = 8,
 }
 
-impl Differentiability {
-    /// The status as one lower-case word, for JSON and tables. The names are stable.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Unique => "unique",
-            Self::Touching => "touching",
-            Self::Parallel => "parallel",
-            Self::Normals => "normals",
-            Self::Grazing => "grazing",
-            Self::Missing => "missing",
-            Self::Inaccurate => "inaccurate",
-            Self::Feature => "feature",
-            Self::Curved => "curved",
-        }
+words!(
+    Differentiability {
+        Unique = "unique" Touching = "touching" Parallel = "parallel" Normals = "normals"
+        Grazing = "grazing" Missing = "missing" Inaccurate = "inaccurate" Feature = "feature"
+        Curved = "curved"
     }
-}
-
-impl fmt::Display for Differentiability {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.as_str())
-    }
-}
+);
 
 /// Derivatives of a length or a time by the poses of A and of B, in the frame of the answer.
 ///
 /// If the status is not [`Unique`](Differentiability::Unique), they belong to the normal and the
 /// points of the answer, which are some of several: a direction for an optimiser, and no
 /// derivative. They are 0 if there is nothing to differentiate.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Derivatives {
     /// Whether these are derivatives.
     pub status: Differentiability,
     /// By the pose of A.
-    pub of_a: PoseDerivative,
+    pub by_a: PoseDerivative,
     /// By the pose of B, or of the point or the ray.
-    pub of_b: PoseDerivative,
+    pub by_b: PoseDerivative,
+}
+
+impl Default for Derivatives {
+    /// No derivatives of a missing answer.
+    fn default() -> Self {
+        Self::none(Differentiability::Missing)
+    }
 }
 
 impl Derivatives {
     /// No derivatives.
     pub(super) fn none(status: Differentiability) -> Self {
-        Self { status, of_a: PoseDerivative::default(), of_b: PoseDerivative::default() }
+        Self { status, by_a: PoseDerivative::default(), by_b: PoseDerivative::default() }
     }
 
     /// The same in a common frame, in which A is at `a_in_world`.
@@ -137,11 +131,11 @@ impl Derivatives {
     /// let (ball, b_in_a) = (Sphere::new(1.0)?, Pose::from_translation(DVec3::X * 3.0)?);
     /// let gap = distance(&ball, &ball, b_in_a, &Settings::default(), &mut Cache::new());
     /// let by = gap.derivatives(&ball, &ball, b_in_a).in_world(a_in_world);
-    /// assert!(by.of_b.linear.distance(DVec3::Y) < 1e-12);
+    /// assert!(by.by_b.linear.distance(DVec3::Y) < 1e-12);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
     pub fn in_world(&self, a_in_world: Pose) -> Self {
-        Self { of_a: self.of_a.rotated(&a_in_world), of_b: self.of_b.rotated(&a_in_world), ..*self }
+        Self { by_a: self.by_a.rotated(&a_in_world), by_b: self.by_b.rotated(&a_in_world), ..*self }
     }
 }

@@ -73,8 +73,8 @@ fn of_time(
     };
     Derivatives {
         status,
-        of_a: PoseDerivative::of_height(-normal, point_a, origin_a).times(1.0 / speed),
-        of_b: PoseDerivative::of_height(normal, point_b, origin_b).times(1.0 / speed),
+        by_a: PoseDerivative::of_height(-normal, point_a, origin_a).times(1.0 / speed),
+        by_b: PoseDerivative::of_height(normal, point_b, origin_b).times(1.0 / speed),
     }
 }
 
@@ -99,7 +99,7 @@ impl RayHit {
     /// let by = ray(&cube, &down, &CastSettings::default()).derivatives(&cube, &down);
     /// assert_eq!(by.status, Differentiability::Unique);
     /// // If the ray starts higher by δ, t is greater by δ/2.
-    /// assert!(by.of_b.linear.distance(DVec3::Z * 0.5) < 1e-9);
+    /// assert!(by.by_b.linear.distance(DVec3::Z * 0.5) < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn derivatives<S: SupportMap + ?Sized>(&self, shape: &S, ray: &Ray) -> Derivatives {
@@ -131,7 +131,7 @@ impl Impact {
     /// let found = cast(&wall, &ball, start, right, &CastSettings::default(), &mut Cache::new());
     /// let by = found.derivatives(&wall, &ball, start, right);
     /// // If the ball starts farther to the left, it comes later.
-    /// assert!(by.of_b.linear.distance(DVec3::NEG_X * 0.25) < 1e-6);
+    /// assert!(by.by_b.linear.distance(DVec3::NEG_X * 0.25) < 1e-6);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn derivatives<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
@@ -179,7 +179,7 @@ impl TimeOfImpact {
     /// let found = cast_motion(&rod, &turning, &ball, &still, &settings, &mut Cache::new());
     /// let by = found.derivatives(&rod, &turning, &ball, &still);
     /// // A rod that is ahead by an angle meets the ball earlier by half of it.
-    /// assert!((by.of_a.angular.z + 0.5).abs() < 1e-9);
+    /// assert!((by.by_a.angular.z + 0.5).abs() < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn derivatives<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(

@@ -27,6 +27,7 @@ use crate::vector::perpendicular;
 
 /// Derivatives of the normal and the witness points by one pose: a row for each coordinate, and in
 /// it a column for each number of the twist, as in [`PoseDerivative`](crate::PoseDerivative).
+#[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WitnessJacobian {
     /// Of the normal: per unit of length, and per radian.
@@ -41,19 +42,20 @@ pub struct WitnessJacobian {
 /// and of B.
 ///
 /// All numbers are 0 unless the status is [`Unique`](Differentiability::Unique).
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WitnessDerivatives {
     /// Whether these are derivatives, or why there are none.
     pub status: Differentiability,
     /// By the pose of A.
-    pub of_a: WitnessJacobian,
+    pub by_a: WitnessJacobian,
     /// By the pose of B, or of the point.
-    pub of_b: WitnessJacobian,
+    pub by_b: WitnessJacobian,
 }
 
 impl WitnessDerivatives {
     fn none(status: Differentiability) -> Self {
-        Self { status, of_a: WitnessJacobian::default(), of_b: WitnessJacobian::default() }
+        Self { status, by_a: WitnessJacobian::default(), by_b: WitnessJacobian::default() }
     }
 }
 
@@ -187,8 +189,8 @@ fn of_points<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     };
     WitnessDerivatives {
         status: Differentiability::Unique,
-        of_a: found.jacobian(true, DVec3::ZERO),
-        of_b: found.jacobian(false, b_in_a.translation()),
+        by_a: found.jacobian(true, DVec3::ZERO),
+        by_b: found.jacobian(false, b_in_a.translation()),
     }
 }
 
@@ -216,9 +218,9 @@ impl Distance {
     /// let by = gap.witness_derivatives(&cube, &ball, b_in_a);
     /// assert_eq!(by.status, Differentiability::Unique);
     /// // If the ball moves along the edge, both points do.
-    /// assert!((by.of_b.point_a[2][2] - 1.0).abs() < 1e-9 && (by.of_b.point_b[2][2] - 1.0).abs() < 1e-9);
+    /// assert!((by.by_b.point_a[2][2] - 1.0).abs() < 1e-9 && (by.by_b.point_b[2][2] - 1.0).abs() < 1e-9);
     /// // If it moves along x, the normal turns by half of that: its x component by 1/√8.
-    /// assert!((by.of_b.normal[0][0] - 0.5 / 2_f64.sqrt()).abs() < 1e-9);
+    /// assert!((by.by_b.normal[0][0] - 0.5 / 2_f64.sqrt()).abs() < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn witness_derivatives<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(

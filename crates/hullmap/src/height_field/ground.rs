@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 use hullmap_format::height_field::layout::{Diagonal, Layout};
 
 /// Height and normal of a height field at a point.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground {
     /// z of the surface, on the plane of the triangle. Its rounding error is at most a few units

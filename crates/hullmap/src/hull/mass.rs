@@ -6,14 +6,15 @@ use glam::{DMat3, DVec3};
 use super::{Hull, vector};
 
 /// The solid that mass properties describe.
+#[repr(u32)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum MassSource {
     /// The hulls. Parts of a mesh overlap, and hulls of concave meshes and simplified hulls are
     /// larger than their mesh, so their mass is an upper bound, and may be twice the mesh's.
     #[default]
-    Hulls,
+    Hulls = 0,
     /// The mesh that the hulls were baked from.
-    Mesh,
+    Mesh = 1,
 }
 
 impl MassSource {

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::cache::Cache;
 use super::minkowski::Minkowski;
 use super::status::Status;
+use crate::fields::fields;
 use crate::pose::Pose;
 use crate::support::SupportMap;
 use crate::vector::unit;
@@ -14,10 +15,14 @@ use crate::vector::unit;
 /// Lengths are in the shapes' unit, points and directions in A's frame. If rounding error or a
 /// limit stopped the search, `status` says so; the interval from `depth_lower` to `depth_upper`
 /// always contains the depth.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// False only if a separating plane proves the shapes separated.
     pub hit: bool,
+    /// Whether it is certain that no other normal has nearly the same depth. For the derivatives.
+    #[doc(hidden)]
+    pub is_only_normal: bool,
     /// How the query ended, and thus how narrow the interval is.
     pub status: Status,
     /// Penetration depth: moving B by this length along `normal` makes the shapes touch. 0 if they
@@ -46,17 +51,19 @@ pub struct Contact {
     pub iterations: u32,
     /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
-    /// The parts of A and of B that decided the answer, by index: hulls of a compound, triangles of
-    /// a mesh or a field. 0 for a shape without parts.
+    /// The parts of A and of B that decided the answer, by index: hulls of a pack, triangles of a
+    /// mesh or a field. 0 for a shape without parts.
     pub parts: [u32; 2],
     /// Features of a point of A and of a point of B in their support planes along the normal; the
-    /// greatest number if they are not known.
+    /// greatest number if they are not known. For the derivatives.
     #[doc(hidden)]
     pub features: [u32; 2],
-    /// Whether it is certain that no other normal has nearly the same depth.
-    #[doc(hidden)]
-    pub is_only_normal: bool,
 }
+
+fields!(
+    Contact { hit status depth depth_lower depth_upper normal point_a point_b iterations support_calls parts }
+    but { features is_only_normal }
+);
 
 /// How much deeper B is moved to find other normals of the same depth, as a fraction of the sum of
 /// the outer radii. Along another normal n′, the depth grows by n · n′ of that.

@@ -21,13 +21,15 @@ use super::ray_polytope::{Vertices, ray_polytope};
 use super::rounded::enter_rounded;
 use super::settings::Settings;
 use super::status::{Overlap, Status};
+use crate::fields::fields;
 use crate::pose::Pose;
 use crate::support::SupportMap;
 
 /// Answer of [`cast`](crate::cast()): when and where a moving shape first meets another.
 ///
-/// Points and directions are in A's frame. Times are in the time unit of the [`Motion`]: at time t,
-/// B has moved by t times its velocity.
+/// Points and directions are in A's frame. Times are in the unit that the velocity implies: at time
+/// t, B has moved by t times its velocity.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
     /// False only if it is certain that the shapes do not meet up to
@@ -65,10 +67,12 @@ pub struct Impact {
     pub iterations: u32,
     /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
-    /// The parts of A and of B that decided the answer, by index: hulls of a compound, triangles of
-    /// a mesh or a field. 0 for a shape without parts.
+    /// The parts of A and of B that decided the answer, by index: hulls of a pack, triangles of a
+    /// mesh or a field. 0 for a shape without parts.
     pub parts: [u32; 2],
 }
+
+fields!(Impact { hit status t t_lower t_upper normal point_a point_b iterations support_calls parts });
 
 impl Impact {
     /// The answer for a ray on a part, as the cast of a point.

@@ -19,6 +19,7 @@ use super::minkowski::{Minkowski, Point, Step};
 use super::settings::Settings;
 use super::status::{Overlap, Status};
 use super::steps::{Solver, SteppedQuery, at_once};
+use crate::fields::fields;
 use crate::pose::Pose;
 use crate::support::SupportMap;
 use crate::vector::unit;
@@ -29,6 +30,7 @@ use glam::DVec3;
 ///
 /// Lengths are in the shapes' unit, points and directions in A's frame. The interval from `lower`
 /// to `upper` always contains the distance.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
     /// How the query ended, and thus how narrow the interval is.
@@ -53,14 +55,18 @@ pub struct Distance {
     pub iterations: u32,
     /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
-    /// The parts of A and of B that decided the answer, by index: hulls of a compound, triangles of
-    /// a mesh or a field. 0 for a shape without parts.
+    /// The parts of A and of B that decided the answer, by index: hulls of a pack, triangles of a
+    /// mesh or a field. 0 for a shape without parts.
     pub parts: [u32; 2],
     /// Features of a point of A and of a point of B in their support planes along the normal; the
-    /// greatest number if they are not known.
+    /// greatest number if they are not known. For the derivatives.
     #[doc(hidden)]
     pub features: [u32; 2],
 }
+
+fields!(
+    Distance { status distance lower upper normal point_a point_b iterations support_calls parts } but { features }
+);
 
 impl Distance {
     /// The same distance with A and B exchanged.

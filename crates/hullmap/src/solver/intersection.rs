@@ -19,11 +19,13 @@ use super::minkowski::{Minkowski, Point, Step};
 use super::mpr::{Found, MprSearch, Portal, Until, is_clearly_negative};
 use super::status::Overlap;
 use super::steps::{Solver, SteppedQuery, at_once};
+use crate::fields::fields;
 use crate::pose::Pose;
 use crate::support::SupportMap;
 use glam::DVec3;
 
 /// Answer of [`intersects`](crate::intersects()).
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intersection {
     /// Whether the shapes share a point.
@@ -32,10 +34,12 @@ pub struct Intersection {
     pub iterations: u32,
     /// Number of support calls. One call queries both shapes once.
     pub support_calls: u32,
-    /// The parts of A and of B that decided the answer, by index: hulls of a compound, triangles of
-    /// a mesh or a field. 0 for a shape without parts.
+    /// The parts of A and of B that decided the answer, by index: hulls of a pack, triangles of a
+    /// mesh or a field. 0 for a shape without parts.
     pub parts: [u32; 2],
 }
+
+fields!(Intersection { status iterations support_calls parts } and { hit: is_hit });
 
 impl Default for Intersection {
     /// An undecided answer, which claims nothing. It initialises the slices of a batch.

@@ -4,11 +4,13 @@ use glam::DVec3;
 
 use super::motion::Ray;
 use super::status::Status;
+use crate::fields::fields;
 
 /// Answer of [`ray`](crate::ray()): where a ray first enters a shape.
 ///
 /// Points and directions are in the shape's frame. t is a factor of the ray's direction, which
 /// need not be of unit length.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
     /// False only if it is certain that the ray misses the shape up to
@@ -45,9 +47,29 @@ pub struct RayHit {
     pub iterations: u32,
     /// Number of support calls.
     pub support_calls: u32,
-    /// Index of the part that decided the answer: the hull of a compound, the triangle of a mesh or
-    /// a field. 0 for a shape without parts.
+    /// Index of the part that decided the answer: the hull of a pack, the triangle of a mesh or a
+    /// field. 0 for a shape without parts.
     pub part: u32,
+}
+
+fields!(RayHit { hit status t t_lower t_upper point normal iterations support_calls part });
+
+impl Default for RayHit {
+    /// A hit that claims nothing.
+    fn default() -> Self {
+        Self {
+            hit: true,
+            status: Status::Touching,
+            t: 0.0,
+            t_lower: 0.0,
+            t_upper: f64::INFINITY,
+            point: DVec3::ZERO,
+            normal: DVec3::X,
+            iterations: 0,
+            support_calls: 0,
+            part: 0,
+        }
+    }
 }
 
 impl RayHit {
@@ -60,10 +82,7 @@ impl RayHit {
             t_lower: f64::INFINITY,
             t_upper: f64::INFINITY,
             point: ray.origin(),
-            normal: DVec3::X,
-            iterations: 0,
-            support_calls: 0,
-            part: 0,
+            ..Self::default()
         }
     }
 }

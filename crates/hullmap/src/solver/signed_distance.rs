@@ -14,12 +14,14 @@ use super::queries::{contact, distance};
 use super::ray::Dot;
 use super::settings::Settings;
 use super::status::Status;
+use crate::fields::fields;
 use crate::pose::Pose;
 use crate::support::SupportMap;
 
 /// Answer of [`signed_distance`](crate::signed_distance()).
 ///
 /// Lengths are in the shape's unit, points and directions in its frame.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SignedDistance {
     /// How the query ended. [`Separated`](Status::Separated) and
@@ -42,9 +44,28 @@ pub struct SignedDistance {
     pub iterations: u32,
     /// Number of support calls.
     pub support_calls: u32,
-    /// Index of the part that decided the answer: the hull of a compound, the triangle of a mesh or
-    /// a field. 0 for a shape without parts.
+    /// Index of the part that decided the answer: the hull of a pack, the triangle of a mesh or a
+    /// field. 0 for a shape without parts.
     pub part: u32,
+}
+
+fields!(SignedDistance { status distance lower upper point normal iterations support_calls part });
+
+impl Default for SignedDistance {
+    /// An answer that claims nothing.
+    fn default() -> Self {
+        Self {
+            status: Status::Stalled,
+            distance: 0.0,
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            point: DVec3::ZERO,
+            normal: DVec3::X,
+            iterations: 0,
+            support_calls: 0,
+            part: 0,
+        }
+    }
 }
 
 /// [`signed_distance`](crate::signed_distance()) from a convex shape.

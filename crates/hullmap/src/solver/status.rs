@@ -1,6 +1,6 @@
 //! Status of an answer: numerical trouble is always visible to the caller.
 
-use std::fmt;
+use crate::fields::words;
 
 /// How a distance or contact query ended, and thus how narrow its interval is.
 ///
@@ -11,48 +11,35 @@ use std::fmt;
 ///
 /// assert_eq!(Status::IterationLimit.to_string(), "iteration_limit");
 /// ```
+#[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
     /// The interval is as narrow as rounding error allows.
-    Exact,
+    Exact = 0,
     /// The interval is within [`Settings::tolerance`](crate::Settings::tolerance).
-    Within,
+    Within = 1,
     /// The shapes touch: rounding error leaves open whether they overlap. A gap or a penetration is
     /// at most 64 rounding errors: docs/contributors/intervals.md, section 6, states them. For
     /// baked hulls near the origin, that is 1e-10 of the sum of their outer radii.
-    Touching,
-    /// The shapes overlap. Only [`distance`](crate::distance) returns it, with a distance of 0.
-    Overlapping,
-    /// A separating plane proves the shapes separated. Only [`contact`](crate::contact) returns it.
-    Separated,
+    Touching = 2,
+    /// The shapes overlap: their distance is 0, or a ray or a motion starts so.
+    Overlapping = 3,
+    /// Certainly no contact, or no hit of a ray or a motion: a separating plane proves it.
+    Separated = 4,
     /// The iteration limit was reached; the interval is wider than the tolerance, or the witness
     /// points are less accurate than the interval.
-    IterationLimit,
+    IterationLimit = 5,
     /// Rounding error stopped all progress; the interval is wider than the tolerance, or the
     /// witness points are less accurate than the interval.
-    Stalled,
+    Stalled = 6,
 }
 
-impl Status {
-    /// The status in snake case, for JSON and tables. The names are stable.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Exact => "exact",
-            Self::Within => "within",
-            Self::Touching => "touching",
-            Self::Overlapping => "overlapping",
-            Self::Separated => "separated",
-            Self::IterationLimit => "iteration_limit",
-            Self::Stalled => "stalled",
-        }
+words!(
+    Status {
+        Exact = "exact" Within = "within" Touching = "touching" Overlapping = "overlapping"
+        Separated = "separated" IterationLimit = "iteration_limit" Stalled = "stalled"
     }
-}
-
-impl fmt::Display for Status {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.as_str())
-    }
-}
+);
 
 /// Whether two shapes share a point.
 ///
@@ -61,32 +48,23 @@ impl fmt::Display for Status {
 ///
 /// assert_eq!(Overlap::Separated.as_str(), "separated");
 /// ```
+#[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Overlap {
-    /// They share no point: a separating plane proves it.
-    Separated,
+    /// They share no point: a separating plane proves it. Its number is 0, so in C, any other
+    /// status is a hit.
+    Separated = 0,
     /// Their interiors share points.
-    Overlapping,
+    Overlapping = 1,
     /// They touch, as [`Status::Touching`] defines it.
-    Touching,
+    Touching = 2,
     /// Not known: an iteration limit was reached, or rounding error stopped all progress.
-    Undecided,
+    Undecided = 3,
 }
 
-impl Overlap {
-    /// The answer as one lower-case word, for JSON and tables. The names are stable.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Separated => "separated",
-            Self::Overlapping => "overlapping",
-            Self::Touching => "touching",
-            Self::Undecided => "undecided",
-        }
+words!(
+    Overlap {
+        Separated = "separated" Overlapping = "overlapping" Touching = "touching"
+        Undecided = "undecided"
     }
-}
-
-impl fmt::Display for Overlap {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.as_str())
-    }
-}
+);

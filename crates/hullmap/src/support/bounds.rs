@@ -2,10 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-/// An axis-aligned box that contains a shape. [`SupportMap::bounds_under`] returns it, in the frame
-/// that its pose maps to and in the shape's unit.
-///
-/// [`SupportMap::bounds_under`]: crate::SupportMap::bounds_under
+/// An axis-aligned box that contains a shape, in the frame that its pose maps to and in the shape's
+/// unit.
 ///
 /// # Examples
 /// ```
@@ -18,7 +16,8 @@ use glam::{DVec3, Vec3};
 /// assert!(f64::from(max.z) > 0.3 && f64::from(min.x) < -0.1);
 /// assert_eq!(max.x, 1.0);
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bounds {
     /// Minimum of each coordinate.
     pub min: DVec3,

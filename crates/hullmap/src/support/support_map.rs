@@ -31,7 +31,8 @@ const BOUND_UNITS: [f64; 3] = [25.0, 64.0, 2.0];
 /// assert_eq!(feature, 0b100);
 /// # Ok::<(), hullmap::ShapeError>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SupportPoint {
     /// The point, in the shape's local frame.
     pub point: DVec3,

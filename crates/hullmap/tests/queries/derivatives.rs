@@ -80,7 +80,7 @@ impl Judged {
         }
         self.unique += 1;
         let mut worst = 0.0_f64;
-        for (which, by) in [found.of_a, found.of_b].into_iter().enumerate() {
+        for (which, by) in [found.by_a, found.by_b].into_iter().enumerate() {
             for (axis, found) in by.to_array().into_iter().enumerate() {
                 let truth = slope(5e-4, |step| {
                     let mut moved = poses;
@@ -237,7 +237,7 @@ fn times_of_impact_of_bodies_that_turn() {
             meeting(bodies, poses, 0.05, found.t)
         };
         let (mut off, mut greatest) = (0.0_f64, 0.0_f64);
-        for (which, by) in [by.of_a, by.of_b].into_iter().enumerate() {
+        for (which, by) in [by.by_a, by.by_b].into_iter().enumerate() {
             for (axis, found) in by.to_array().into_iter().enumerate() {
                 let step = 1e-5;
                 let truth = (truth(which, axis, step) - truth(which, axis, -step)) / (2.0 * step);
@@ -291,7 +291,7 @@ fn ambiguous_depths_have_no_derivative() {
     let found = by(moved_to(0.5, 0.4, 0.1));
     assert_eq!(found.status, Differentiability::Unique);
     // Moved along x, the ball is less deep.
-    assert!(found.of_b.linear.distance(DVec3::NEG_X) < 1e-9 && found.of_a.linear.distance(DVec3::X) < 1e-9);
+    assert!(found.by_b.linear.distance(DVec3::NEG_X) < 1e-9 && found.by_a.linear.distance(DVec3::X) < 1e-9);
     assert_eq!(by(moved_to(3.0, 0.0, 0.0)).status, Differentiability::Missing);
     assert_eq!(by(moved_to(1.25, 0.0, 0.0)).status, Differentiability::Touching);
     // Two cubes face to face are as deep at all points of both faces.
@@ -309,7 +309,7 @@ fn ambiguous_depths_have_no_derivative() {
     assert_eq!(point(DVec3::new(3.0, 2.0, 0.0)).status, Differentiability::Unique);
     let inside = point(DVec3::new(-0.5, 0.1, 0.2));
     assert_eq!(inside.status, Differentiability::Unique);
-    assert!(inside.of_b.linear.distance(DVec3::NEG_X) < 1e-9 && inside.of_b.angular.length() < 1e-9);
+    assert!(inside.by_b.linear.distance(DVec3::NEG_X) < 1e-9 && inside.by_b.angular.length() < 1e-9);
 }
 
 /// What a contact knows of other normals, and an answer of its features, against the second query
@@ -330,7 +330,7 @@ fn known_normals_and_features_change_no_status() {
             let twin = Distance { features: [u32::MAX; 2], ..near };
             let by = near.derivatives(&a, &b, b_in_a);
             let expected = twin.derivatives(&a, &b, b_in_a);
-            assert_eq!((by.of_a, by.of_b), (expected.of_a, expected.of_b), "seed {SEED:#x}: {b_in_a:?}");
+            assert_eq!((by.by_a, by.by_b), (expected.by_a, expected.by_b), "seed {SEED:#x}: {b_in_a:?}");
             different += usize::from(by.status != expected.status);
             unique += usize::from(by.status == Differentiability::Unique);
             let found = contact(&a, &b, b_in_a, &EXACT, &mut cache);
@@ -340,7 +340,7 @@ fn known_normals_and_features_change_no_status() {
             let twin = Contact { is_only_normal: false, features: [u32::MAX; 2], ..found };
             let by = found.derivatives(&a, &b, b_in_a, &EXACT, &mut Cache::new());
             let expected = twin.derivatives(&a, &b, b_in_a, &EXACT, &mut Cache::new());
-            assert_eq!((by.of_a, by.of_b), (expected.of_a, expected.of_b), "seed {SEED:#x}: {b_in_a:?} {found:?}");
+            assert_eq!((by.by_a, by.by_b), (expected.by_a, expected.by_b), "seed {SEED:#x}: {b_in_a:?} {found:?}");
             different += usize::from(by.status != expected.status);
             hits += 1;
             known += usize::from(found.is_only_normal);
@@ -376,8 +376,8 @@ fn rays_and_casts_without_a_derivative() {
     assert_eq!(found.status, Differentiability::Unique);
     // The ray turns about its origin, and t grows in the second order; the cube turns about z, and
     // its face at (1, 0.5, 0) recedes by half the angle.
-    assert!((found.of_b.to_array()[0] - 0.5).abs() < 1e-9 && found.of_b.angular.length() < 1e-9);
-    assert!((found.of_a.angular.z - 0.25).abs() < 1e-9);
+    assert!((found.by_b.to_array()[0] - 0.5).abs() < 1e-9 && found.by_b.angular.length() < 1e-9);
+    assert!((found.by_a.angular.z - 0.25).abs() < 1e-9);
 
     let start = moved_to(-5.0, 0.2, 0.3);
     for (velocity, expected) in [
