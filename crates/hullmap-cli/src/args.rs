@@ -61,7 +61,7 @@ pub enum Command {
                       bake build assets --out baked --check                        (in CI: exit 1 if a pack is stale)\n  \
                       bake build assets --out baked --shard 0/8                    (farm: one of eight machines)")]
     Build(Box<BuildArgs>),
-    /// Bake grids of heights (PNG, ESRI ASCII, raw f32) into .hullfield files
+    /// Bake terrains, grids of heights, into .hullfield files
     // In a build of many files, rules of hullmap.toml choose the terrains.
     #[command(after_help = "Examples:\n  \
                       bake terrain dem.asc --out baked\n  \

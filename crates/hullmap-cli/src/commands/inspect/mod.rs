@@ -18,6 +18,7 @@ use crate::terminal::{self, Output};
 use hullmap_bake::number::{grouped, rounded};
 use hullmap_verify::estimates::MirrorPlane;
 use hullmap_verify::geometry::{polygons, positions, rank_name};
+use surface::{Surface, SurfaceDescription};
 
 /// Description of a pack. Field names are the JSON's.
 #[derive(Debug, Serialize)]
@@ -95,15 +96,21 @@ pub fn run(args: &InspectArgs, out: &mut Output) -> Result<Exit, Failure> {
             out.line("")?;
         }
         let path = place.path.display().to_string();
-        match (&asset, surface::describe(path.clone(), &asset, args.vertices)) {
-            (_, Some(surface)) if args.json => out.json(&surface)?,
-            (_, Some(surface)) => surface.write_text(out)?,
-            (Asset::Pack(pack), None) => {
+        let surface = match &asset {
+            Asset::Pack(pack) => {
                 let described = report(path, pack, kept_warnings(&asset), args.vertices);
-                if args.json { out.json(&described)? } else { write_text(&described, out)? }
+                if args.json {
+                    out.json(&described)?
+                } else {
+                    write_text(&described, out)?
+                }
+                continue;
             }
-            _ => {}
-        }
+            Asset::TriangleMesh(mesh) => Surface::of_mesh(mesh, args.vertices),
+            Asset::HeightField(field) => Surface::of_field(field, args.vertices),
+        };
+        let described = SurfaceDescription::new(path, &asset, surface);
+        if args.json { out.json(&described)? } else { described.write_text(out)? }
     }
     Ok(exit)
 }

@@ -33,13 +33,13 @@ pub struct SurfaceDescription {
 
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
-enum Surface {
+pub enum Surface {
     TriangleMesh(MeshContents),
     HeightField(FieldContents),
 }
 
 #[derive(Debug, Serialize)]
-struct MeshContents {
+pub struct MeshContents {
     #[serde(flatten)]
     summary: MeshSummary,
     bounds: [[f32; 3]; 2],
@@ -56,7 +56,7 @@ struct MaterialCount {
 }
 
 #[derive(Debug, Serialize)]
-struct FieldContents {
+pub struct FieldContents {
     columns: usize,
     rows: usize,
     origin: [f64; 2],
@@ -72,44 +72,38 @@ struct FieldContents {
     vertices: Option<Vec<f64>>,
 }
 
-/// Describes a triangle mesh or height field; `None` for a pack.
-pub fn describe(file: String, asset: &Asset, has_vertices: bool) -> Option<SurfaceDescription> {
-    let surface = match asset {
-        Asset::Pack(_) => return None,
-        Asset::TriangleMesh(mesh) => Surface::TriangleMesh(MeshContents::new(mesh, has_vertices)),
-        Asset::HeightField(field) => Surface::HeightField(FieldContents::new(field, has_vertices)),
-    };
-    Some(SurfaceDescription {
-        file,
-        format_version: asset.header().format_version,
-        bytes: asset.bytes().len() as u64,
-        source: asset.source_path().to_owned(),
-        options: asset.options().to_owned(),
-        source_hash: format!("{:032x}", asset.header().source_hash),
-        warnings: kept_warnings(asset),
-        surface,
-    })
+impl SurfaceDescription {
+    pub fn new(file: String, asset: &Asset, surface: Surface) -> Self {
+        Self {
+            file,
+            format_version: asset.header().format_version,
+            bytes: asset.bytes().len() as u64,
+            source: asset.source_path().to_owned(),
+            options: asset.options().to_owned(),
+            source_hash: format!("{:032x}", asset.header().source_hash),
+            warnings: kept_warnings(asset),
+            surface,
+        }
+    }
 }
 
-impl MeshContents {
+impl Surface {
     /// T-junctions are counted here, because the file does not state them.
-    fn new(mesh: &TriangleMesh, has_vertices: bool) -> Self {
+    pub fn of_mesh(mesh: &TriangleMesh, has_vertices: bool) -> Self {
         let triangles = 0..mesh.triangle_count();
         let positions = || (0..mesh.vertex_count()).filter_map(|at| mesh.vertex(at)).map(|at| at.to_array()).collect();
         let classes = |triangle: usize| mesh.edge_classes(triangle).map(|own| own.map(EdgeClass::as_str));
-        Self {
+        Self::TriangleMesh(MeshContents {
             summary: MeshSummary { t_junctions: Some(t_junctions_of(mesh).count), ..MeshSummary::of_file(mesh) },
             bounds: mesh.bounds().map(|corner| corner.to_array()),
             material_counts: count_materials(triangles.clone().filter_map(|triangle| mesh.material(triangle))),
             positions: has_vertices.then(positions),
             corners: has_vertices.then(|| triangles.clone().filter_map(|at| mesh.corners(at)).collect()),
             edge_classes: has_vertices.then(|| triangles.filter_map(classes).collect()),
-        }
+        })
     }
-}
 
-impl FieldContents {
-    fn new(field: &HeightField, has_vertices: bool) -> Self {
+    pub fn of_field(field: &HeightField, has_vertices: bool) -> Self {
         let (Layout { columns, rows, origin, spacing, diagonal }, holes) = (*field.layout(), field.hole_count());
         let triangles = 0..field.triangle_count();
         let mut edges = EdgeCounts::default();
@@ -117,7 +111,7 @@ impl FieldContents {
         classes.flatten().for_each(|class| edges.add(class, 1));
         let places = || (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
         let heights = || places().filter_map(|(column, row)| field.vertex(column, row)).map(|at| at.z).collect();
-        Self {
+        Self::HeightField(FieldContents {
             columns,
             rows,
             origin,
@@ -129,7 +123,7 @@ impl FieldContents {
             edges,
             material_counts: count_materials(triangles.filter_map(|triangle| field.material(triangle))),
             vertices: has_vertices.then(heights),
-        }
+        })
     }
 }
 
