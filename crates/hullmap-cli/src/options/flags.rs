@@ -30,8 +30,10 @@ impl clap::Args for OptionLayer {
             Scope::Terrains => is_terrain,
             _ => !is_terrain,
         };
-        let taken = FLAGS.iter().filter(|(option, _)| is_taken(option));
-        command.args(taken.map(|(option, flag)| arg(option, flag)))
+        let mut taken: Vec<_> = FLAGS.iter().filter(|(option, _)| is_taken(option)).collect();
+        // The help has the options of the subcommand first.
+        taken.sort_by_key(|(option, _)| option.scope != Scope::Terrains);
+        command.args(taken.into_iter().map(|(option, flag)| arg(option, flag)))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
