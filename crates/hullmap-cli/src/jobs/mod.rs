@@ -82,8 +82,7 @@ pub fn jobs(args: &MeshArgs, out: &Path, printed: Messages) -> Result<Jobs, Fail
     let is_terrain = args.options.kind() == FileKind::HeightField;
     let mut is_meant = |path: &Path| match is_source(path) {
         false if is_grid(path) => {
-            let layer = configs.layer(path)?.layer;
-            Ok(args.options.laid_over(&layer).kind() == FileKind::HeightField)
+            Ok(args.options.laid_over(&configs.layer(path)?.layer).kind() == FileKind::HeightField)
         }
         is_mesh => Ok(is_mesh && !is_terrain),
     };
