@@ -4,7 +4,6 @@ use glam::{DQuat, DVec3};
 use hullmap::shapes::{Cuboid, Sphere, Triangle};
 use hullmap::{
     Cache, CastSettings, CompoundManifolds, ManifoldSettings, Motion, Pose, Prediction, Ray, Settings, Status,
-    TriangleMesh,
 };
 use hullmap_testkit::{depth::signed_depth_by_points, gap::distance_by_features};
 use shapes::rng::SplitMix64;
