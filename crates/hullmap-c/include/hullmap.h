@@ -1248,7 +1248,7 @@ HullmapResult hullmap_triangle_mesh_triangle(const HullmapTriangleMesh *mesh,
                                              size_t index,
                                              HullmapMeshTriangle *triangle);
 
-// Opens the file of a height field, which `bake build --height-field` writes. The file is copied
+// Opens the file of a height field, which `bake terrain` writes. The file is copied
 // into memory and checked completely, so that no file can harm a later query.
 //
 // path: in UTF-8 on Windows, in the system's bytes elsewhere.

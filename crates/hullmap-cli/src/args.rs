@@ -5,7 +5,6 @@
 
 pub mod export;
 mod guesses;
-pub mod height_field;
 mod limits;
 mod numbers;
 #[cfg(test)]
@@ -20,17 +19,16 @@ use clap::builder::{PossibleValuesParser, Resettable, StyledStr, TypedValueParse
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
-use hullmap_import::EXTENSIONS;
+use hullmap_import::{EXTENSIONS, height_field};
 use hullmap_report::input::Up;
 
 use crate::glob::Glob;
 use crate::jobs::batch::BatchSize;
 use crate::jobs::shard::Shard;
 use crate::options::table::Section;
-use crate::options::{OptionLayer, PartsLayer, flag};
+use crate::options::{OptionLayer, PartsLayer, TERRAIN, flag};
 use crate::terminal::Escaped;
 use export::ExportArgs;
-use height_field::HeightFieldArgs;
 use limits::LimitArgs;
 use numbers::{at_least_one, size};
 use verify::{DEFAULT_DIRECTIONS, VerifyArgs};
@@ -63,6 +61,13 @@ pub enum Command {
                       bake build assets --out baked --check                        (in CI: exit 1 if a pack is stale)\n  \
                       bake build assets --out baked --shard 0/8                    (farm: one of eight machines)")]
     Build(Box<BuildArgs>),
+    /// Bake terrains, grids of heights, into .hullfield files
+    // In a build of many files, rules of hullmap.toml choose the terrains.
+    #[command(after_help = "Examples:\n  \
+                      bake terrain dem.asc --out baked\n  \
+                      bake terrain ground.png --out baked --spacing 0.5 --height-scale 120\n  \
+                      bake terrain ground.f32 --out baked --columns 1025 --rows 1025 --spacing 2 --hole=-9999")]
+    Terrain(Box<BuildArgs>),
     /// Decompose a mesh file into a file of convex parts, without a pack
     #[command(after_help = "Examples:\n  \
                       bake decompose chair.obj parts.obj\n  \
@@ -143,7 +148,7 @@ pub struct MeshArgs {
         long,
         value_name = "LIST",
         value_delimiter = ',',
-        value_parser = PossibleValuesParser::new(EXTENSIONS),
+        value_parser = PossibleValuesParser::new(EXTENSIONS.into_iter().chain(height_field::EXTENSIONS)),
         ignore_case = true,
         hide_possible_values = true,
         help_heading = FILES
@@ -207,8 +212,6 @@ pub struct BuildArgs {
     /// Take finished packs from DIR, by their keys, and add packs that are baked; DIR may be shared
     #[arg(long, value_name = "DIR", conflicts_with = "check", hide_short_help = true, help_heading = FARM)]
     pub cache: Option<PathBuf>,
-    #[command(flatten)]
-    pub height_field: HeightFieldArgs,
 }
 
 #[derive(Debug, clap::Args)]
@@ -325,7 +328,7 @@ pub struct StatusArgs {
 
 #[derive(Debug, clap::Args)]
 pub struct InspectArgs {
-    /// Packs, or folders to search for them
+    /// Baked files, or folders to search for them
     #[arg(required = true, value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
     /// Also print vertex positions and faces
@@ -410,11 +413,12 @@ pub enum FromVisual {
 }
 
 /// Options that `bake robot` does not take, because the description decides.
-pub const DECIDED_BY_ROBOTS: [&str; 7] =
-    ["split", "unit_scale", "up_axis", "recentre", "pack_names", "record_source", "keep_triangles"];
+pub const DECIDED_BY_ROBOTS: [&str; 8] =
+    ["split", "unit_scale", "up_axis", "recentre", "pack_names", "record_source", "keep_triangles", "terrain"];
 
 pub fn reason_of_robots(key: &str) -> &'static str {
-    if key == "keep_triangles" { "whose collisions become hulls" } else { "whose descriptions state it" }
+    let chooses = ["keep_triangles", "terrain"].contains(&key);
+    if chooses { "whose collisions become hulls" } else { "whose descriptions state it" }
 }
 
 #[derive(Debug, clap::Args)]
@@ -514,9 +518,15 @@ pub fn program(words: &[OsString]) -> String {
 
 pub fn command(program: &str) -> clap::Command {
     let hidden = |own: clap::Command| {
-        DECIDED_BY_ROBOTS.iter().fold(own, |own, key| own.mut_arg(key, |option| option.hide(true)))
+        own.mut_args(|option| {
+            let is_decided = DECIDED_BY_ROBOTS.contains(&option.get_id().as_str());
+            if is_decided { option.hide(true) } else { option }
+        })
     };
-    let command = Cli::command().bin_name(program).mut_subcommand("robot", hidden);
+    let of_grids = |own: clap::Command| {
+        own.mut_arg("inputs", |inputs| inputs.help("Files of heights, or folders to search for .asc, .png and .f32"))
+    };
+    let command = Cli::command().bin_name(program).mut_subcommand("robot", hidden).mut_subcommand(TERRAIN, of_grids);
     if program == "bake" {
         return command;
     }
@@ -586,6 +596,7 @@ impl Command {
     fn options(&self) -> Option<(&'static str, &OptionLayer)> {
         match self {
             Self::Build(args) => Some(("build", &args.meshes.options)),
+            Self::Terrain(args) => Some((TERRAIN, &args.meshes.options)),
             Self::Key(args) => Some(("key", &args.meshes.options)),
             Self::Plan(args) => Some(("plan", &args.meshes.options)),
             Self::Status(args) => Some(("status", &args.meshes.options)),

@@ -14,6 +14,7 @@
 //! | `config` | `hullmap.toml` |
 //! | `glob` | globs that select meshes |
 //! | `baker` | all calls into `hullmap-bake` |
+//! | `content` | what a source holds, a mesh or a terrain: read, imported, verified |
 //! | `triangle_mesh` | triangle meshes: how they are baked, and what is counted |
 //! | `budget` | what physics engines accept of a hull |
 //! | `in_memory` | bakes that write no file, for bindings |
@@ -40,6 +41,8 @@ mod budget;
 mod commands;
 #[cfg(feature = "command")]
 mod config;
+#[cfg(feature = "command")]
+mod content;
 #[cfg(feature = "command")]
 mod depfile;
 #[cfg(feature = "command")]
@@ -74,8 +77,6 @@ mod runner;
 mod scene;
 #[cfg(feature = "command")]
 mod selection;
-#[cfg(feature = "command")]
-mod sheet_description;
 #[cfg(feature = "command")]
 mod source;
 #[cfg(feature = "command")]
@@ -139,11 +140,8 @@ pub fn run<W: Into<OsString> + Clone>(words: impl IntoIterator<Item = W>) -> u8 
 
 #[cfg(feature = "command")]
 fn dispatch(cli: &Cli, program: &str, out: &mut Output) -> Result<Exit, Failure> {
-    if let Some(result) = commands::height_field::run(&cli.command, out) {
-        return result;
-    }
     match &cli.command {
-        Command::Build(args) => commands::build::run(args, out),
+        Command::Build(args) | Command::Terrain(args) => commands::build::run(args, out),
         Command::Decompose(args) => commands::decompose::run(args, out),
         Command::Key(args) => commands::key::run(args, out),
         Command::Plan(args) => commands::plan::run(args, out),

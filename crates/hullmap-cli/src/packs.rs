@@ -1,4 +1,5 @@
-//! The packs that arguments name: files, and all in folders. Triangle meshes count as packs.
+//! The packs that arguments name: files, and all in folders. Triangle meshes and height fields
+//! count as packs.
 
 use std::path::{Path, PathBuf};
 
@@ -38,7 +39,7 @@ pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
         }
         if places.len() == before {
             return Err(Failure::usage(format!(
-                "{}: no .hullmap or .hullmesh files in this folder; name a folder of packs",
+                "{}: no .hullmap, .hullmesh or .hullfield files in this folder; name a folder of packs",
                 input.display()
             )));
         }
@@ -46,14 +47,8 @@ pub fn find_packs(inputs: &[PathBuf]) -> Result<Vec<PackPlace>, Failure> {
     Ok(places)
 }
 
-pub fn fields_in(inputs: &[PathBuf]) -> usize {
-    let folders = inputs.iter().filter(|input| input.is_dir());
-    let entries = folders.flat_map(|folder| walk(folder).build().flatten());
-    entries.filter(|entry| kind_by_name(entry.path()) == Some(FileKind::HeightField)).count()
-}
-
 pub fn is_baked(path: &Path) -> bool {
-    matches!(kind_by_name(path), Some(FileKind::Pack | FileKind::TriangleMesh))
+    kind_by_name(path).is_some()
 }
 
 pub fn kind_by_name(path: &Path) -> Option<FileKind> {

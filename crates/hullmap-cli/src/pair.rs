@@ -1,8 +1,8 @@
-//! Queries one pair of hulls, packs or triangle meshes in many poses.
+//! Queries one pair of hulls or baked files in many poses.
 
 use glam::DVec3;
 use hullmap::geometry::{Geometry, Visitor};
-use hullmap::{Cache, Contact, Distance, Hull, Intersection, Overlap, Pack, Pose, Settings, Status, TriangleMesh};
+use hullmap::{Asset, Cache, Contact, Distance, Hull, Intersection, Overlap, Pose, Settings, Status};
 
 use serde::Serialize;
 
@@ -37,10 +37,8 @@ pub struct PairAnswer {
 pub enum Side<'a> {
     /// A hull.
     Hull(Box<Hull<'a>>),
-    /// A pack of several hulls.
-    Pack(&'a Pack),
-    /// A triangle mesh.
-    Mesh(&'a TriangleMesh),
+    /// All that a file holds.
+    Asset(&'a Asset),
 }
 
 impl Side<'_> {
@@ -53,8 +51,8 @@ impl Side<'_> {
     pub fn part_name(&self, index: u32) -> Option<String> {
         match self {
             Self::Hull(hull) => Some(hull.name().to_owned()),
-            Self::Pack(pack) => Some(pack.hull(index as usize).ok()?.name().to_owned()),
-            Self::Mesh(_) => Some(index.to_string()),
+            Self::Asset(Asset::Pack(pack)) => Some(pack.hull(index as usize).ok()?.name().to_owned()),
+            Self::Asset(_) => Some(index.to_string()),
         }
     }
 }
@@ -63,8 +61,7 @@ impl Geometry for Side<'_> {
     fn visit<V: Visitor>(&self, visitor: V) -> V::Output {
         match self {
             Self::Hull(hull) => hull.visit(visitor),
-            Self::Pack(pack) => pack.visit(visitor),
-            Self::Mesh(mesh) => mesh.visit(visitor),
+            Self::Asset(asset) => asset.visit(visitor),
         }
     }
 }

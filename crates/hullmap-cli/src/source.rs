@@ -5,28 +5,25 @@ use std::collections::{BTreeSet, HashMap};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use hullmap_bake::PointSet;
+use hullmap::Asset;
 
-use crate::open::{BakedFile, open_baked};
+use crate::content::{Content, read};
+use crate::open::open_asset;
 use crate::options::BuildOptions;
 use crate::options::removed::instead_of_record;
 use crate::outcome::Failure;
 use crate::pack_file::{folder_of, plain, resolve_recorded, shown_from};
 use crate::packs::PackPlace;
 use crate::project::{Found, Project};
-use hullmap_import::{self as import, EXTENSIONS, Imported, Limits, Materials, Polygons, ReadError, SourceFile};
+use hullmap_format::header::FileKind;
+use hullmap_import::height_field::is_grid;
+use hullmap_import::{EXTENSIONS, Limits, ReadError, SourceFile, is_source};
 
 /// A pack's source, found and imported as it was when the pack was baked.
 #[derive(Debug)]
 pub struct Source {
     pub path: PathBuf,
-    /// The point sets that must match the pack's hulls, in the same order.
-    pub point_sets: Vec<PointSet>,
-    /// The faces of each set, by indices of its own points.
-    pub faces: Vec<Polygons>,
-    pub materials: Materials,
-    pub notes: Vec<String>,
-    pub warnings: Vec<String>,
+    pub content: Content,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -39,8 +36,8 @@ pub struct Recorded<'a> {
 }
 
 impl<'a> Recorded<'a> {
-    pub fn from_file(file: &'a BakedFile) -> Self {
-        Self { hash: file.header().source_hash, path: file.source_path(), options: file.options() }
+    pub fn from_asset(asset: &'a Asset) -> Self {
+        Self { hash: asset.header().source_hash, path: asset.source_path(), options: asset.options() }
     }
 
     pub fn from_pack(pack: &'a hullmap::Pack) -> Self {
@@ -61,15 +58,16 @@ pub enum SourceSearch {
 pub struct Folders(RefCell<HashMap<PathBuf, HashMap<OsString, BTreeSet<PathBuf>>>>);
 
 impl Folders {
-    /// The mesh files in `folder` with the stem of `pack`, sorted; extensions in any case.
-    fn with_stem(&self, folder: &Path, pack: &Path) -> Vec<PathBuf> {
+    /// The mesh files in `folder` with the stem of `pack`, or the grids of heights, sorted;
+    /// extensions in any case.
+    fn with_stem(&self, folder: &Path, pack: &Path, is_terrain: bool) -> Vec<PathBuf> {
         let Some(stem) = pack.file_stem() else { return Vec::new() };
         let mut folders = self.0.borrow_mut();
         let meshes = match folders.get(folder) {
             Some(meshes) => meshes,
             None => folders.entry(folder.to_owned()).or_insert(meshes_by_name(folder)),
         };
-        meshes.get(stem).into_iter().flatten().cloned().collect()
+        meshes.get(stem).into_iter().flatten().filter(|path| is_grid(path) == is_terrain).cloned().collect()
     }
 }
 
@@ -77,7 +75,7 @@ impl Folders {
 fn meshes_by_name(folder: &Path) -> HashMap<OsString, BTreeSet<PathBuf>> {
     let mut meshes: HashMap<OsString, BTreeSet<PathBuf>> = HashMap::new();
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    for path in entries.map(|entry| entry.path()).filter(|path| import::is_source(path)) {
+    for path in entries.map(|entry| entry.path()).filter(|path| is_source(path) || is_grid(path)) {
         for name in [path.file_stem(), path.file_name()].into_iter().flatten() {
             meshes.entry(name.to_owned()).or_default().insert(path.clone());
         }
@@ -103,23 +101,24 @@ pub fn find_source(
     folders: &Folders,
 ) -> Result<SourceSearch, Failure> {
     let folder = folder_of(&place.path);
+    let options = BuildOptions::from_recorded(recorded.options);
+    let is_terrain = options.as_ref().is_some_and(|options| options.file_kind() == FileKind::HeightField);
     // `..` is removed here: the system resolves it after links, `Project` before them.
     let followed = resolve_recorded(recorded.path, folder).map(|path| plain(&path));
     let candidates = match given {
-        Some(given) if given.is_dir() => in_folder(place, recorded.path, given, folders),
+        Some(given) if given.is_dir() => in_folder(place, recorded.path, given, folders, is_terrain),
         Some(given) => vec![given.to_owned()],
-        None => folders.with_stem(folder, &place.path).into_iter().chain(followed.clone()).collect(),
+        None => folders.with_stem(folder, &place.path, is_terrain).into_iter().chain(followed.clone()).collect(),
     };
     let project = Project::of_pack(place, Path::new(".")).filter(|_| given.is_none());
-    let context = Candidates { place, recorded, given, project, followed };
+    let context = Candidates { place, recorded, options: options.as_ref(), given, project, followed };
     let (mut rejected, mut not_followed) = (None, None);
     for path in candidates {
         match context.check(&path, limits)? {
             Candidate::IsSource(file) => {
-                let imported = import(&path, &file, recorded, limits)?;
-                let Imported { point_sets, faces, materials, notes, warnings, .. } = imported;
-                let source = Source { path, point_sets, faces, materials, notes, warnings };
-                return Ok(SourceSearch::Found(Box::new(source)));
+                let options = options.as_ref().ok_or_else(|| unknown_options(&path, recorded))?;
+                let content = Content::import(&path, &file, options, limits)?;
+                return Ok(SourceSearch::Found(Box::new(Source { path, content })));
             }
             Candidate::Rejected(reason) => _ = rejected.get_or_insert(reason),
             Candidate::NotFollowed(reason) => _ = not_followed.get_or_insert(reason),
@@ -150,6 +149,8 @@ enum Candidate {
 struct Candidates<'a> {
     place: &'a PackPlace,
     recorded: Recorded<'a>,
+    /// `None` if this version does not have them.
+    options: Option<&'a BuildOptions>,
     given: Option<&'a Path>,
     /// `None` if `--source` names the files.
     project: Option<Project>,
@@ -170,7 +171,8 @@ impl Candidates<'_> {
                 if is_followed { format!("the recorded path `{}`", self.recorded.path) } else { self.shown(path) };
             return Ok(Candidate::NotFollowed(format!("{name} {reason}")));
         }
-        let source = match import::read(&self.shown(path), path, limits) {
+        let options = self.options.cloned().unwrap_or_default();
+        let source = match read(&self.shown(path), path, &options, limits) {
             Ok(source) => source,
             Err(ReadError::Io(error)) if self.given == Some(path) => {
                 return Err(Failure::usage(format!(
@@ -226,7 +228,7 @@ pub fn given_sources<'a>(given: Option<&'a Path>, places: &[PackPlace]) -> Resul
     };
     let is_meant = |place: &PackPlace| {
         // A pack that does not open is reported later.
-        let pack = open_baked(&place.path).ok();
+        let pack = open_asset(&place.path).ok();
         let recorded = pack.as_ref().and_then(|pack| pack.source_path().rsplit('/').next());
         has_name_of(mesh, &place.path) || recorded.is_some_and(|name| mesh.file_name().is_some_and(|file| file == name))
     };
@@ -242,11 +244,11 @@ pub fn given_sources<'a>(given: Option<&'a Path>, places: &[PackPlace]) -> Resul
 }
 
 /// At the pack's relative path, or directly in the folder; with its stem, or the recorded name.
-fn in_folder(place: &PackPlace, recorded: &str, folder: &Path, folders: &Folders) -> Vec<PathBuf> {
+fn in_folder(place: &PackPlace, recorded: &str, folder: &Path, folders: &Folders, is_terrain: bool) -> Vec<PathBuf> {
     let recorded_name = recorded.rsplit('/').next().filter(|name| !name.is_empty() && *name != "..");
     let mut paths = Vec::new();
     for folder in [folder.join(&place.below), folder.to_owned()] {
-        paths.extend(folders.with_stem(&folder, &place.path));
+        paths.extend(folders.with_stem(&folder, &place.path, is_terrain));
         paths.extend(recorded_name.map(|name| folder.join(name)));
     }
     paths
@@ -256,19 +258,10 @@ fn has_name_of(mesh: &Path, pack: &Path) -> bool {
     [mesh.file_stem(), mesh.file_name()].contains(&pack.file_stem())
 }
 
-fn import(path: &Path, source: &SourceFile, recorded: Recorded, limits: &Limits) -> Result<Imported, Failure> {
-    let name = path.display().to_string();
-    let options = BuildOptions::from_recorded(recorded.options).ok_or_else(|| {
-        let why = instead_of_record(recorded.options).map_or_else(String::new, |instead| format!(" ({instead})"));
-        Failure::rejected(format!(
-            "{name}: its pack was baked with options that this version does not have{why}; bake it again"
-        ))
-    })?;
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let imported = import::import(&name, &stem, path, source, &options.import(), limits);
-    let mut imported = imported.map_err(|error| Failure::rejected(error.to_string()))?;
-    imported.give_triangles();
-    Ok(imported)
+fn unknown_options(path: &Path, recorded: Recorded) -> Failure {
+    let why = instead_of_record(recorded.options).map_or_else(String::new, |instead| format!(" ({instead})"));
+    let message = format!("its pack was baked with options that this version does not have{why}; bake it again");
+    Failure::rejected(format!("{}: {message}", path.display()))
 }
 
 #[cfg(test)]
@@ -318,7 +311,7 @@ mod tests {
             let source = search(&place, recorded(path), requested.as_deref()).unwrap();
             let source = source.unwrap_or_else(|| panic!("{file}"));
             assert_eq!(source.path.canonicalize().unwrap(), folder.path().join(file).canonicalize().unwrap());
-            let names: Vec<_> = source.point_sets.iter().map(|set| set.name.as_str()).collect();
+            let names: Vec<_> = source.content.point_sets().iter().map(|set| set.name.as_str()).collect();
             assert_eq!(names, ["a", "b"], "imported with the pack's options");
         }
     }
@@ -331,12 +324,12 @@ mod tests {
         for name in names {
             let pack = folder.path().join(name).with_extension("hullmap");
             let entries = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
-            let is_candidate = |path: &PathBuf| has_name_of(path, &pack) && import::is_source(path);
+            let is_candidate = |path: &PathBuf| has_name_of(path, &pack) && is_source(path);
             let mut slow: Vec<PathBuf> = entries.filter(is_candidate).collect();
             slow.sort_unstable();
-            assert_eq!(folders.with_stem(folder.path(), &pack), slow, "{name}");
+            assert_eq!(folders.with_stem(folder.path(), &pack, false), slow, "{name}");
         }
-        assert!(folders.with_stem(&folder.path().join("gone"), Path::new("x.hullmap")).is_empty());
+        assert!(folders.with_stem(&folder.path().join("gone"), Path::new("x.hullmap"), false).is_empty());
     }
 
     #[test]

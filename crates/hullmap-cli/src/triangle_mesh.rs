@@ -59,6 +59,18 @@ impl EdgeCounts {
             EdgeClass::Reversed => &mut self.reversed,
         } += count;
     }
+
+    /// Each number with the name of its class.
+    pub fn named(&self) -> [(usize, &'static str); 6] {
+        [
+            (self.border, "border"),
+            (self.flat, "flat"),
+            (self.convex, "convex"),
+            (self.concave, "concave"),
+            (self.non_manifold, "non-manifold"),
+            (self.reversed, "reversed"),
+        ]
+    }
 }
 
 impl MeshSummary {

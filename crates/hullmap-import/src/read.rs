@@ -17,18 +17,28 @@ use crate::limits::Limits;
 pub struct SourceFile {
     /// Bytes of the file.
     pub bytes: Vec<u8>,
-    /// Required buffers beside a glTF file, with their relative paths, in the document's order.
+    /// Required files beside it, with their relative paths: the buffers of a glTF file, in the
+    /// document's order, or the image of a terrain's holes.
     pub beside: Vec<(String, Vec<u8>)>,
-    /// XXH3-128 of the file's bytes; with buffers, of the hashes of the file and then of the
-    /// buffers, each as 16 bytes in little-endian order.
+    /// XXH3-128 of the file's bytes; with files beside it, of the hashes of the file and then of
+    /// these, each as 16 bytes in little-endian order.
     pub hash: u128,
 }
 
 impl SourceFile {
-    /// A file without buffers beside it.
+    /// A file without others beside it.
     pub fn alone(bytes: Vec<u8>) -> Self {
-        let hash = source_hash(&bytes);
-        Self { bytes, beside: Vec::new(), hash }
+        Self::new(bytes, Vec::new())
+    }
+
+    fn new(bytes: Vec<u8>, beside: Vec<(String, Vec<u8>)>) -> Self {
+        let mut hash = source_hash(&bytes);
+        if !beside.is_empty() {
+            let others = beside.iter().map(|(_, bytes)| source_hash(bytes));
+            let hashes: Vec<u8> = std::iter::once(hash).chain(others).flat_map(u128::to_le_bytes).collect();
+            hash = source_hash(&hashes);
+        }
+        Self { bytes, beside, hash }
     }
 }
 
@@ -53,41 +63,38 @@ impl ReadError {
 /// # Errors
 /// The file or a buffer cannot be read or is not a regular file, or they are larger than the limit.
 pub fn read(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, ReadError> {
+    read_beside(file, path, limits, "buffer", |bytes| {
+        let is_gltf = foreign::format_of(path, bytes).map_err(Fault::of_file)? == Format::Gltf;
+        if is_gltf { gltf::buffer_paths(bytes) } else { Ok(Vec::new()) }
+    })
+}
+
+/// Reads a file, and those beside it that `names` finds in its bytes, each a `kind` in messages.
+pub(crate) fn read_beside(
+    file: &str,
+    path: &Path,
+    limits: &Limits,
+    kind: &str,
+    names: impl FnOnce(&[u8]) -> Result<Vec<String>, LineFault>,
+) -> Result<SourceFile, ReadError> {
     let fault = |LineFault { line, fault }| ReadError::Import(ImportError { file: file.to_owned(), line, fault });
     let mut left = limits.input_bytes;
     let bytes = read_bounded(path, &mut left).map_err(ReadError::Io)?;
     let too_large = || fault(Fault::InputTooLarge { limit: limits.input_bytes }.of_file());
     let bytes = bytes.ok_or_else(too_large)?;
-    if foreign::format_of(path, &bytes).map_err(|fault_of_file| fault(fault_of_file.of_file()))? != Format::Gltf {
-        return Ok(SourceFile::alone(bytes));
-    }
     let mut beside = Vec::new();
-    for name in gltf::buffer_paths(&bytes).map_err(fault)? {
+    for name in names(&bytes).map_err(fault)? {
         let folder = path.parent().unwrap_or(Path::new(""));
-        let buffer = read_bounded(&folder.join(&name), &mut left).map_err(|error| match error.kind() {
+        let other = read_bounded(&folder.join(&name), &mut left).map_err(|error| match error.kind() {
             ErrorKind::NotFound => {
-                let text = format!("buffer {name} cannot be read: {error}; restore it beside the file");
+                let text = format!("{kind} {name} cannot be read: {error}; restore it beside the file");
                 fault(Fault::format(text).of_file())
             }
-            kind => ReadError::Io(std::io::Error::new(kind, format!("buffer {name}: {error}"))),
+            error_kind => ReadError::Io(std::io::Error::new(error_kind, format!("{kind} {name}: {error}"))),
         })?;
-        beside.push((name, buffer.ok_or_else(too_large)?));
+        beside.push((name, other.ok_or_else(too_large)?));
     }
-    if beside.is_empty() {
-        return Ok(SourceFile::alone(bytes));
-    }
-    let hashes = std::iter::once(&bytes).chain(beside.iter().map(|(_, bytes)| bytes));
-    let hashes: Vec<u8> = hashes.flat_map(|bytes| source_hash(bytes).to_le_bytes()).collect();
-    Ok(SourceFile { bytes, beside, hash: source_hash(&hashes) })
-}
-
-pub(crate) fn read_alone(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, ReadError> {
-    let bytes = read_bounded(path, &mut limits.input_bytes.clone()).map_err(ReadError::Io)?;
-    let too_large = || {
-        let fault = Fault::InputTooLarge { limit: limits.input_bytes };
-        ReadError::Import(ImportError { file: file.to_owned(), line: None, fault })
-    };
-    bytes.map(SourceFile::alone).ok_or_else(too_large)
+    Ok(SourceFile::new(bytes, beside))
 }
 
 /// Paths of the required buffers beside a glTF file, for instance to watch them for changes. Empty

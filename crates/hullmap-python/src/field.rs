@@ -85,7 +85,6 @@ impl HeightField {
     fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (field, facts) = (&self.field, PyDict::new(py));
         let Layout { columns, rows, origin, spacing, diagonal } = *field.layout();
-        let mut lines = field.options().lines();
         facts.set_item("columns", columns)?;
         facts.set_item("rows", rows)?;
         facts.set_item("origin", origin)?;
@@ -96,8 +95,8 @@ impl HeightField {
         facts.set_item("bounds", field.bounds().map(|corner| corner.to_array()))?;
         facts.set_item("byte_len", field.bytes().len())?;
         facts.set_item("source_path", field.source_path())?;
-        facts.set_item("options", lines.next().unwrap_or_default())?;
-        facts.set_item("warnings", lines.map(in_python).collect::<Vec<_>>())?;
+        facts.set_item("options", field.options())?;
+        facts.set_item("warnings", field.warnings().map(in_python).collect::<Vec<_>>())?;
         Ok(facts)
     }
 

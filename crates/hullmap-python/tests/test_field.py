@@ -105,6 +105,7 @@ def test_arrays_describe_the_field(field):
 def test_files_round_trip(field, tmp_path):
     path = field.save(tmp_path / "terrain.hullfield")
     opened = HeightField.open(path)
+    assert type(hullmap.open(path)) is HeightField
     assert opened.path == path and opened.to_bytes() == field.to_bytes() and opened.nbytes == path.stat().st_size
     assert pickle.loads(pickle.dumps(field)).to_bytes() == field.to_bytes()
     with pytest.raises(hullmap.InvalidPack, match="not a hullmap triangle mesh"):
@@ -122,7 +123,7 @@ def test_files_round_trip(field, tmp_path):
 def test_the_command_writes_what_python_opens(tmp_path):
     heights = np.random.default_rng(SEED + 3).uniform(0, 1, (4, 5)).astype("<f4")
     heights.tofile(tmp_path / "terrain.f32")
-    words = ["bake", "build", str(tmp_path / "terrain.f32"), "--out", str(tmp_path), "--height-field", "--quiet"]
+    words = ["bake", "terrain", str(tmp_path / "terrain.f32"), "--out", str(tmp_path), "--quiet"]
     assert hullmap._hullmap.run_command([*words, "--columns", "5", "--rows", "4", "--spacing", "2"]) == 0
     opened = HeightField.open(tmp_path / "terrain.hullfield")
     assert (opened.heights == heights).all() and opened.spacing == (2.0, 2.0) and opened.source_path == "terrain.f32"

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::Analysis;
 use crate::html::{count, escape, link};
-use crate::mesh::MeshReport;
 use crate::pack_page::Verdict;
 use crate::page::Page;
+use crate::surface::SurfaceReport;
 
 const PAGE: Page = Page {
     kind: "folder",
@@ -64,19 +64,19 @@ impl Card {
         }
     }
 
-    /// The card of a triangle mesh; `page` is the path of its own page, relative to the folder's.
-    pub fn of_mesh(name: String, mesh: &MeshReport, page: String) -> Self {
+    /// The card of a triangle mesh or height field; `page` is the path of its own page, relative to the folder's.
+    pub fn of_surface(name: String, surface: &SurfaceReport, page: String) -> Self {
         Self {
             name,
-            verdict: mesh.verdict(),
-            remarks: mesh.remarks.faults.iter().chain(&mesh.remarks.warnings).cloned().collect(),
+            verdict: surface.verdict(),
+            remarks: surface.remarks.faults.iter().chain(&surface.remarks.warnings).cloned().collect(),
             content: Some(Content {
                 page,
-                picture: mesh.picture.clone(),
+                picture: surface.picture.clone(),
                 hulls: 0,
-                triangles: mesh.triangle_count,
-                vertices: mesh.vertex_count,
-                bytes: mesh.bytes,
+                triangles: surface.triangle_count,
+                vertices: surface.vertex_count,
+                bytes: surface.bytes,
             }),
         }
     }

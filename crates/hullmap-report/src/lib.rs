@@ -1,4 +1,4 @@
-//! HTML report of a pack, of a triangle mesh or of a robot: one page that any browser opens,
+//! HTML report of a pack, triangle mesh, height field or robot: one page that any browser opens,
 //! without a network.
 //!
 //! The caller opens the pack, finds its source, verifies it and collects remarks, as an [`Input`].
@@ -19,9 +19,9 @@
 //! | `picture` | a still picture of them |
 //! | `parts_section`, `part_colours` | the parts of decomposed meshes |
 //! | `sizes`, `cost_warnings` | bytes by section; hulls whose queries are slow |
-//! | [`mesh`], `mesh_page` | a triangle mesh, and its page |
+//! | [`surface`], `surface_page` | a triangle mesh or height field, and its page |
 //! | [`robot`], `robot_page` | a robot, and its page |
-//! | `field_page` | a height field as a shaded relief |
+//! | `relief` | a height field as a shaded relief |
 //! | `page` | the head and the scripts that all pages share |
 //! | `html`, `encode` | text and numbers in a page |
 
@@ -33,34 +33,33 @@ mod census;
 mod cost_warnings;
 mod display_mesh;
 mod encode;
-mod field_page;
 mod folder_page;
 mod gauss_map;
 mod html;
 mod index_reader;
 pub mod input;
-pub mod mesh;
-mod mesh_page;
 mod pack_page;
 mod page;
 mod part_colours;
 mod parts_section;
 mod picture;
+mod relief;
 pub mod robot;
 mod robot_page;
 mod sizes;
 mod solid_mesh;
 mod spans;
+pub mod surface;
+mod surface_page;
 #[cfg(test)]
 mod test_packs;
 
 pub use analysis::{Analysis, analyse};
 pub use display_mesh::DisplayMesh;
-pub use field_page::field_page;
 pub use folder_page::{Card, folder_page};
 pub use gauss_map::gauss_map_json;
 pub use index_reader::ReadError;
 pub use input::Input;
-pub use mesh_page::mesh_page;
 pub use pack_page::pack_page;
 pub use robot_page::robot_page;
+pub use surface_page::surface_page;

@@ -1,9 +1,9 @@
-//! Measures the fit of convex parts, and verifies packs and triangle meshes against their sources.
+//! Measures the fit of convex parts, and verifies files against their sources.
 //!
 //! | module | concept |
 //! |---|---|
 //! | [`pack`] | verification of a pack, hull by hull |
-//! | [`triangle_mesh`] | verification of a triangle mesh |
+//! | [`triangle_mesh`], [`height_field`] | verification of a triangle mesh, of a height field |
 //! | [`index`] | proofs of direction indices |
 //! | [`support`], [`truth`], [`directions`] | support queries against every point of the source |
 //! | `joints` | rays at vertices, edges and seams |
@@ -22,6 +22,7 @@ pub mod directions;
 pub mod estimates;
 pub mod fit;
 pub mod geometry;
+pub mod height_field;
 pub mod index;
 mod joints;
 pub mod mass;

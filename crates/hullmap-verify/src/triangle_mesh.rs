@@ -74,14 +74,14 @@ impl<'a> SourceTriangles<'a> {
     }
 }
 
-/// Result of a verification. Field names are the JSON's.
+/// Result of the verification of a triangle mesh or a height field. Field names are the JSON's.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct MeshVerification {
+pub struct SurfaceVerification {
     /// The file.
     pub file: String,
     /// The source; `None` if it was not found.
     pub source: Option<String>,
-    /// The reference: `source`, or `stored triangles`.
+    /// The reference: `source`, `stored triangles` or `stored heights`.
     pub against: Option<&'static str>,
     /// Number of triangles.
     pub triangles: Option<usize>,
@@ -89,7 +89,7 @@ pub struct MeshVerification {
     pub rays: Option<usize>,
     /// Number of rays that hit the mesh.
     pub ray_hits: Option<usize>,
-    /// Number of points whose nearest triangle was tested.
+    /// Number of points whose nearest triangle was tested; `None` for a height field.
     pub points: Option<usize>,
     /// Seed of both.
     pub seed: Option<u64>,
@@ -101,7 +101,7 @@ pub struct MeshVerification {
     pub problems: Vec<String>,
 }
 
-impl MeshVerification {
+impl SurfaceVerification {
     /// Its faults; `None` if it passes.
     pub fn verdict(&self) -> Option<String> {
         (!self.pass).then(|| self.problems.join("; "))
@@ -109,22 +109,32 @@ impl MeshVerification {
 }
 
 #[derive(Default)]
-struct Findings {
+pub(crate) struct Findings {
     count: usize,
     problems: Vec<String>,
 }
 
 impl Findings {
-    fn add(&mut self, problem: impl FnOnce() -> String) {
+    pub(crate) fn add(&mut self, problem: impl FnOnce() -> String) {
         self.count += 1;
         if self.problems.len() < MAX_PROBLEMS {
             self.problems.push(problem());
         }
     }
 
-    fn compare<T: PartialEq + std::fmt::Debug>(&mut self, what: &str, found: T, expected: T) {
+    pub(crate) fn compare<T: PartialEq + std::fmt::Debug>(&mut self, what: &str, found: T, expected: T) {
         if found != expected {
             self.add(|| format!("{what}: {found:?} instead of {expected:?}"));
+        }
+    }
+
+    /// The result, without what was compared.
+    pub(crate) fn verification(self) -> SurfaceVerification {
+        SurfaceVerification {
+            mismatches: Some(self.count),
+            pass: self.count == 0,
+            problems: self.problems,
+            ..SurfaceVerification::default()
         }
     }
 }
@@ -137,7 +147,7 @@ pub fn verify_mesh(
     source: Option<&SourceTriangles>,
     directions: usize,
     seed: u64,
-) -> MeshVerification {
+) -> SurfaceVerification {
     let mut findings = Findings::default();
     let stored: Vec<[DVec3; 3]> =
         (0..mesh.triangle_count()).filter_map(|index| Some(mesh.triangle(index)?.corners())).collect();
@@ -158,17 +168,14 @@ pub fn verify_mesh(
     let space = Space { center: low.midpoint(high), radius: 0.5 * low.distance(high), scale: greatest(&truth) };
     let ray_hits = compare_rays(mesh, &truth, count, space, random.clone(), &mut findings);
     compare_points(mesh, &truth, count, space, random, &mut findings);
-    MeshVerification {
+    SurfaceVerification {
         against: Some(if source.is_some() { "source" } else { "stored triangles" }),
         triangles: Some(mesh.triangle_count()),
         rays: Some(count),
         ray_hits: Some(ray_hits),
         points: Some(count),
         seed: Some(seed),
-        mismatches: Some(findings.count),
-        pass: findings.count == 0,
-        problems: findings.problems,
-        ..MeshVerification::default()
+        ..findings.verification()
     }
 }
 

@@ -8,7 +8,7 @@ use hullmap::glam::Vec3;
 use hullmap::{Cache, CastSettings, EdgeClass, HeightField, Motion, SharedGeometry, TriangleMesh};
 use hullmap_cli::{InMemoryError, bake_level};
 use hullmap_import::SourceFile;
-use hullmap_report::mesh::edges_by_class;
+use hullmap_report::surface::edges_by_class;
 use js_sys::{Float64Array, Uint32Array};
 use wasm_bindgen::prelude::*;
 
@@ -102,7 +102,7 @@ impl Level {
         };
         let warnings = match &sheet {
             SharedSheet::Mesh(mesh) => mesh.warnings().map(str::to_owned).collect(),
-            SharedSheet::Field(field) => field.options().lines().skip(1).map(str::to_owned).collect(),
+            SharedSheet::Field(field) => field.warnings().map(str::to_owned).collect(),
         };
         Ok(Self { drawn: Drawn::new(&sheet), sheet, notes: Vec::new(), warnings })
     }

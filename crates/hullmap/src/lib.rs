@@ -228,6 +228,7 @@
 //!
 //! # Where to find more
 //!
+//! - [`Asset`]: a baked file of any kind
 //! - [`Pack`]: the constructors, and when to map a file instead of copying it
 //! - [`Hull`]: vertices, faces, neighbours and everything else that a pack records about a hull
 //! - [`Geometry`]: what can be queried; [`SharedGeometry`]: any of it as one type, without lifetime
@@ -242,6 +243,7 @@
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing))]
 
+mod asset;
 pub mod batch;
 mod cascade;
 pub mod compound;
@@ -267,6 +269,7 @@ mod support;
 pub mod triangle_mesh;
 mod vector;
 
+pub use asset::Asset;
 pub use compound::{Compound, CompoundManifolds};
 pub use continuous::{ClearSettings, Clearance, MotionSettings, RigidMotion, TimeOfImpact, Verdict};
 pub use derivatives::{Derivatives, Differentiability, PoseDerivative, WitnessDerivatives, WitnessJacobian};

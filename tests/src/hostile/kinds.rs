@@ -1,6 +1,6 @@
 //! Files of each kind: opening, and all queries on what opened.
 
-use hullmap::{HeightField, InvalidPack, Pack, TriangleMesh};
+use hullmap::{Asset, InvalidPack};
 use hullmap_format::header::{FileKind, Header};
 
 use super::inquiry::{Extent, Inquiry};
@@ -13,32 +13,28 @@ const PLACES: f64 = 0.4;
 pub enum AnyInquiry {
     /// A pack.
     Pack(Box<Inquiry>),
-    /// A triangle mesh.
-    Mesh(SheetInquiry),
-    /// A height field.
-    Field(SheetInquiry),
+    /// A triangle mesh or a height field.
+    Sheet(SheetInquiry),
 }
 
 impl AnyInquiry {
     /// Queries for files like `file`. Panics if it does not open.
     pub fn new(file: &[u8], extent: Extent) -> Self {
-        let sheet = || SheetInquiry::new((PLACES * extent.pairs as f64).ceil() as usize);
-        match kind_of(file) {
-            FileKind::Pack => {
-                Self::Pack(Box::new(Inquiry::new(&Pack::from_bytes(file).expect("a sample opens"), extent)))
-            }
-            FileKind::TriangleMesh => Self::Mesh(sheet()),
-            FileKind::HeightField => Self::Field(sheet()),
+        match Asset::from_bytes(file).expect("a sample opens") {
+            Asset::Pack(pack) => Self::Pack(Box::new(Inquiry::new(&pack, extent))),
+            _ => Self::Sheet(SheetInquiry::new((PLACES * extent.pairs as f64).ceil() as usize)),
         }
     }
 
     /// Opens a file and runs the queries. Fails if it does not open; panics as
     /// [`Inquiry::run`].
     pub fn run(&self, file: &[u8]) -> Result<(), InvalidPack> {
-        match self {
-            Self::Pack(inquiry) => inquiry.run(&Pack::from_bytes(file)?),
-            Self::Mesh(inquiry) => inquiry.run_mesh(TriangleMesh::from_bytes(file)?),
-            Self::Field(inquiry) => inquiry.run_field(HeightField::from_bytes(file)?),
+        match (self, Asset::from_bytes(file)?) {
+            (Self::Pack(inquiry), Asset::Pack(pack)) => inquiry.run(&pack),
+            (Self::Sheet(inquiry), Asset::TriangleMesh(mesh)) => inquiry.run_mesh(mesh),
+            (Self::Sheet(inquiry), Asset::HeightField(field)) => inquiry.run_field(field),
+            // A change of the magic, which opens as another kind only if the payload fits it.
+            (_, other) => panic!("opens as a {}", other.header().kind),
         }
         Ok(())
     }
@@ -52,29 +48,18 @@ pub fn kind_of(file: &[u8]) -> FileKind {
 
 /// Whether a file of this kind opens.
 pub fn opens(kind: FileKind, file: &[u8]) -> bool {
-    match kind {
-        FileKind::Pack => Pack::from_bytes(file).is_ok(),
-        FileKind::TriangleMesh => TriangleMesh::from_bytes(file).is_ok(),
-        FileKind::HeightField => HeightField::from_bytes(file).is_ok(),
-    }
+    Asset::from_bytes(file).is_ok_and(|asset| asset.header().kind == kind)
 }
 
 /// Two counts of a file that opens, which are ends of ranges of indices. Panics if it does not.
 pub fn counts(file: &[u8]) -> [u32; 2] {
-    let counts = match kind_of(file) {
-        FileKind::Pack => {
-            let pack = Pack::from_bytes(file).expect("a sample opens");
+    let counts = match Asset::from_bytes(file).expect("a sample opens") {
+        Asset::Pack(pack) => {
             let hull = pack.hull(0).expect("a pack has a hull");
             [hull.vertex_count(), hull.face_count()]
         }
-        FileKind::TriangleMesh => {
-            let mesh = TriangleMesh::from_bytes(file).expect("a sample opens");
-            [mesh.vertex_count(), mesh.triangle_count()]
-        }
-        FileKind::HeightField => {
-            let field = HeightField::from_bytes(file).expect("a sample opens");
-            [field.layout().columns, field.layout().rows]
-        }
+        Asset::TriangleMesh(mesh) => [mesh.vertex_count(), mesh.triangle_count()],
+        Asset::HeightField(field) => [field.layout().columns, field.layout().rows],
     };
     counts.map(|count| count as u32)
 }

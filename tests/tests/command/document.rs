@@ -38,10 +38,12 @@ fn meanings(section: &str) -> BTreeMap<String, String> {
     rows.map(|(cell, meaning)| (flag(cell), meaning.to_owned())).collect()
 }
 
-/// Whether the section refers to the flags of `bake build` that choose meshes and their options.
-fn takes_meshes(name: &str) -> bool {
+/// The first and last of the flags of `bake build` that the section refers to.
+fn flags_of_build(name: &str) -> Option<[String; 2]> {
     let text = section(name).split_whitespace().collect::<Vec<_>>().join(" ");
-    text.contains("All flags of [bake build](#bake-build) from `--split` to `--ext` apply.")
+    let (_, rest) = text.split_once("All flags of [bake build](#bake-build) from `")?;
+    let (first, rest) = rest.split_once("` to `")?;
+    Some([first, rest.split_once("` apply.")?.0].map(str::to_owned))
 }
 
 /// The flags that the page lists for a command.
@@ -53,10 +55,10 @@ fn flags(name: &str) -> BTreeSet<String> {
         cells.map(str::to_owned).collect()
     };
     let mut found: BTreeSet<String> = rows(name).into_iter().collect();
-    if takes_meshes(name) {
+    if let Some([first, last]) = flags_of_build(name) {
         let build = rows("build");
         let at = |flag: &str| build.iter().position(|own| own == flag).unwrap();
-        found.extend(build[at("--split")..=at("--ext")].iter().cloned());
+        found.extend(build[at(&first)..=at(&last)].iter().cloned());
     }
     found
 }
@@ -117,6 +119,8 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
     let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl grass\nf 1 2 3 4\n";
     fs::write(folder.path().join("level.obj"), text).unwrap();
     run("build level.obj --out l --keep-triangles").expect(0);
+    fs::write(folder.path().join("dem.asc"), "ncols 2\nnrows 2\ncellsize 1\n1 2\n3 4\n").unwrap();
+    run("terrain dem.asc --out h").expect(0);
     // A sheet of two parts.
     let sheet = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 0 1 1\nf 1 2 3 4\nf 1 4 6 5\n";
     fs::write(folder.path().join("sheet.obj"), sheet).unwrap();
@@ -142,6 +146,7 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
                 "build sheet.obj --out q --decompose --json",
                 "build box.obj --out t --decompose --primitives --json",
                 "build level.obj --out l --keep-triangles --force --json",
+                "terrain dem.asc --out h --json",
             ]
             .as_slice(),
         ),
@@ -151,8 +156,9 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
         ("status", &["status in --out o --json", "status in --out p --json --shards 3"]),
         ("verify", &["verify o --json", "verify o in/a.obj --json", "verify q --json"]),
         ("inspect", &["inspect o --json", "inspect o --json --vertices", "inspect q --json", "inspect t --json"]),
-        ("verify: field of a triangle mesh", &["verify l --json"]),
+        ("verify: field of a triangle mesh or height field", &["verify l --json", "verify h --json"]),
         ("inspect: field of a triangle mesh", &["inspect l --json", "inspect l --json --vertices"]),
+        ("inspect: field of a height field", &["inspect h --json", "inspect h --json --vertices"]),
         ("export", &["export o/a.hullmap --format json"]),
         ("robot", &["robot r.urdf --out o/r.urdf --json", "robot r.urdf --out o/r.urdf --json --exclude-pairs"]),
         (
@@ -198,7 +204,7 @@ fn every_flag_is_documented_and_every_documented_one_is_taken() {
         let mut described = descriptions(&help);
         described.remove("--help");
         let mut meanings = meanings(&section(name));
-        if takes_meshes(name) {
+        if flags_of_build(name).is_some() {
             meanings.extend(self::meanings(&section("build")));
             meanings.extend(self::meanings(&section(name)));
         }

@@ -125,23 +125,25 @@ fn a_name_with_a_backslash_cannot_be_planned() {
 /// The export of a folder with a level ended with exit code 2.
 #[test]
 fn an_export_of_a_folder_leaves_levels_out_where_they_do_not_fit() {
-    let folder = folder(&[("in/a.obj", TET), ("in/level.obj", TET), ("in/z.obj", TET)]);
-    write(&folder, "in/hullmap.toml", "[[rule]]\nfiles = \"level.obj\"\nkeep_triangles = true\n");
+    let grid = "ncols 2\nnrows 2\ncellsize 1\n1 2\n3 4\n";
+    let folder = folder(&[("in/a.obj", TET), ("in/level.obj", TET), ("in/z.obj", TET), ("in/dem.asc", grid)]);
+    let rules = "[[rule]]\nfiles = \"level.obj\"\nkeep_triangles = true\n[[rule]]\nfiles = \"*.asc\"\nterrain = true\n";
+    write(&folder, "in/hullmap.toml", rules);
     let path = folder.path();
     bake(path, "build in --out o").expect(0);
-    write(&folder, "o/terrain.hullfield", "");
     for (target, files) in [
         ("--for unreal --out u", ["u/a.glb", "u/z.glb"]),
         ("--for mjcf --out m", ["m/a/a.xml", "m/z/z.xml"]),
         ("--parts --format obj --out p", ["p/a/a.obj", "p/z/z.obj"]),
         ("--for usd --prim /World --out layer.usda", ["layer.usda", "layer.usda"]),
-        ("--format obj --out all", ["all/a.obj", "all/level.obj"]),
+        ("--format obj --out all", ["all/dem.obj", "all/level.obj"]),
     ] {
         let run = bake(path, &format!("export o {target}")).expect(0);
         assert!(files.iter().all(|file| path.join(file).exists()), "{target}: {}", run.stdout);
-        let is_left_out = run.stderr.contains("note: o/level.hullmesh: left out, because it is a triangle mesh");
-        assert_eq!(is_left_out, !target.ends_with("all"), "{target}: {}", run.stderr);
-        assert!(target.contains("usd") || run.stderr.contains("note: 1 height field left out"), "{}", run.stderr);
+        for (file, noun) in [("level.hullmesh", "triangle mesh"), ("dem.hullfield", "height field")] {
+            let is_left_out = run.stderr.contains(&format!("note: o/{file}: left out, because it is a {noun}"));
+            assert_eq!(is_left_out, !target.ends_with("all"), "{target}: {}", run.stderr);
+        }
     }
     let run = bake(path, "export o/level.hullmesh --for unreal --out x.glb").expect(2);
     assert!(run.stderr.contains("is a triangle mesh, which has no hulls; leave out --for"), "{}", run.stderr);

@@ -10,7 +10,6 @@ mod farm;
 mod faults;
 #[cfg(unix)]
 mod folders;
-mod height_field;
 #[cfg(unix)]
 mod interruptions;
 mod meshes;
@@ -22,7 +21,7 @@ mod robot;
 mod scenes;
 mod sources;
 mod subcommands;
-mod triangle_meshes;
+mod surfaces;
 #[cfg(unix)]
 mod untrusted;
 mod usd;

@@ -10,14 +10,14 @@ use crate::scene::colliders::Draft;
 
 #[derive(Debug, clap::Args)]
 pub struct ExportArgs {
-    /// Packs, or folders to search for them
+    /// Baked files, or folders to search for them
     #[arg(required = true, value_name = "FILE|DIR")]
     pub packs: Vec<PathBuf>,
     /// File to write, or folder if several files are written [default: standard output]
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
     /// Format of the meshes [default: the extension of --out, or the usual one of the engine]
-    #[arg(long, value_enum, value_name = "obj|stl|glb|json", hide_possible_values = true)]
+    #[arg(long, value_enum, value_name = "obj|stl|glb|json|f32", hide_possible_values = true)]
     pub format: Option<Format>,
     /// Use the names and files that an engine expects
     #[arg(
@@ -91,6 +91,8 @@ pub enum Format {
     Glb,
     /// JSON
     Json,
+    /// Heights of a height field, as raw numbers
+    F32,
 }
 
 impl Format {
@@ -100,6 +102,7 @@ impl Format {
             Self::Stl => "stl",
             Self::Glb => "glb",
             Self::Json => "json",
+            Self::F32 => "f32",
         }
     }
 }

@@ -4,7 +4,6 @@ pub mod build;
 pub mod completions;
 pub mod decompose;
 pub mod export;
-pub mod height_field;
 pub mod init;
 pub mod inspect;
 pub mod key;

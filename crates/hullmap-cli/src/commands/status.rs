@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::io::{ErrorKind, Read};
 
-use hullmap::{HeightField, OpenError, Pack, TriangleMesh};
+use hullmap::{Asset, OpenError, Pack};
 use hullmap_format::header::{FileKind, HEADER_LEN, Header, options_hash};
 use hullmap_import::open_regular;
 use rayon::prelude::*;
@@ -85,10 +85,12 @@ fn state(job: &Job) -> (State, Option<String>) {
 }
 
 fn recorded_options(job: &Job) -> Result<String, OpenError> {
+    // Packs, which are many, need not be read as a whole.
     match job.options.file_kind() {
         FileKind::Pack => Pack::open_skipping_contents(&job.output).map(|pack| pack.options().to_owned()),
-        FileKind::TriangleMesh => TriangleMesh::open(&job.output).map(|mesh| mesh.options().to_owned()),
-        FileKind::HeightField => HeightField::open(&job.output).map(|field| field.options().to_owned()),
+        FileKind::TriangleMesh | FileKind::HeightField => {
+            Asset::open(&job.output).map(|asset| asset.options().to_owned())
+        }
     }
 }
 

@@ -46,7 +46,7 @@ mod tests {
     use hullmap_bake::IndexKind;
 
     use super::*;
-    use crate::options::table::OPTIONS;
+    use crate::options::table::{OPTIONS, Scope};
     use crate::options::{BuildOptions, OptionLayer, template};
     use hullmap_bake::simplify::Limit;
     use hullmap_import::Split;
@@ -115,13 +115,15 @@ index = "cubemap"
         let head = template.split("# [[rule]]").next().unwrap();
         let lines: Vec<String> =
             head.lines().map(|line| if is_option(&line) { bare(line) } else { line.to_owned() }).collect();
-        for option in &OPTIONS {
+        // Rules choose the terrains.
+        for option in OPTIONS.iter().filter(|option| option.key != "terrain") {
             let key = option.key;
             assert!(lines.iter().any(|line| line.starts_with(&format!("{key} = "))), "{key}");
         }
         // One by one, because some exclude each other.
         for line in lines.iter().filter(|line| line.contains(" = ") && !line.starts_with('#')) {
-            let text = format!("[defaults]\n{line}");
+            let of_terrains = OPTIONS.iter().any(|own| own.scope == Scope::Terrains && line.starts_with(own.key));
+            let text = format!("[{}]\n{line}", if of_terrains { "terrain" } else { "defaults" });
             let config = parse::parse(Path::new("hullmap.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
             let options = config.layer(None, Path::new("x.obj")).resolve();
             assert_eq!(options, BuildOptions::default(), "{line}");
@@ -129,6 +131,6 @@ index = "cubemap"
         let example = &template[template.find("# [[rule]]").unwrap()..];
         let example: String = example.lines().map(|line| format!("{}\n", line.trim_start_matches("# "))).collect();
         let config = parse::parse(Path::new("hullmap.toml"), &example).unwrap();
-        assert_eq!(config.rules.len(), 3);
+        assert_eq!(config.rules.len(), 5);
     }
 }

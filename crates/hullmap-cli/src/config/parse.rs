@@ -10,11 +10,19 @@ use super::rules::{Config, Rule};
 use crate::glob::Glob;
 use crate::options::OptionLayer;
 use crate::options::removed::{instead_of_option, instead_of_value};
-use crate::options::table::{OPTIONS, position};
+use crate::options::table::{OPTIONS, Scope, position};
 use crate::options::value::Syntax;
 use crate::outcome::Failure;
 
-const TABLES: [&str; 2] = ["defaults", "rule"];
+const TABLES: [&str; 3] = ["defaults", "terrain", "rule"];
+
+/// Where an option stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    Defaults,
+    Terrain,
+    Rule,
+}
 
 const FILES: &str = "files";
 
@@ -55,7 +63,10 @@ fn read(root: &DeTable, line_of: &dyn Fn(usize) -> usize) -> Result<(OptionLayer
     let mut rules = Vec::new();
     for (span, key, value) in in_order(root) {
         match (key, value.get_ref()) {
-            ("defaults", DeValue::Table(table)) => defaults = layer(table, false)?,
+            ("defaults", DeValue::Table(table)) => {
+                defaults = layer(table, Place::Defaults)?.laid_over(&defaults);
+            }
+            ("terrain", DeValue::Table(table)) => defaults = defaults.laid_over(&layer(table, Place::Terrain)?),
             ("rule", DeValue::Array(array)) => {
                 for entry in array.iter() {
                     let DeValue::Table(table) = entry.get_ref() else {
@@ -64,7 +75,9 @@ fn read(root: &DeTable, line_of: &dyn Fn(usize) -> usize) -> Result<(OptionLayer
                     rules.push(rule(entry.span(), table, line_of)?);
                 }
             }
-            ("defaults", _) => return Err(fault(span, "`defaults` must be a table: write [defaults]")),
+            ("defaults" | "terrain", _) => {
+                return Err(fault(span, format!("`{key}` must be a table: write [{key}]")));
+            }
             ("rule", _) => {
                 return Err(fault(span, "`rule` must be a list of tables: write [[rule]], in double brackets"));
             }
@@ -95,7 +108,7 @@ fn rule(span: Range<usize>, table: &DeTable, line_of: &dyn Fn(usize) -> usize) -
             return Err(fault(span, format!("{SKIP}: expected true or false, found {}", other.type_str())));
         }
     };
-    Ok(Rule { line, files, links, skip, layer: layer(table, true)? })
+    Ok(Rule { line, files, links, skip, layer: layer(table, Place::Rule)? })
 }
 
 fn globs(key: &str, value: &Spanned<DeValue>) -> Result<Vec<Glob>, Fault> {
@@ -120,23 +133,34 @@ fn globs(key: &str, value: &Spanned<DeValue>) -> Result<Vec<Glob>, Fault> {
     patterns.into_iter().map(|(span, pattern)| Glob::new(pattern).map_err(|error| fault(span, error))).collect()
 }
 
-fn layer(table: &DeTable, is_rule: bool) -> Result<OptionLayer, Fault> {
+fn layer(table: &DeTable, place: Place) -> Result<OptionLayer, Fault> {
     let mut layer = OptionLayer::default();
     for (span, key, value) in in_order(table) {
         if [FILES, LINKS, SKIP].contains(&key) {
-            if is_rule {
+            if place == Place::Rule {
                 continue;
             }
             return Err(fault(span, format!("`{key}` applies to the meshes of a rule: move it below a [[rule]]")));
         }
         let Some(index) = position(key) else {
-            let keys_of_rules: &[&str] = if is_rule { &[FILES, LINKS, SKIP] } else { &[] };
+            let keys_of_rules: &[&str] = if place == Place::Rule { &[FILES, LINKS, SKIP] } else { &[] };
             let known: Vec<&str> =
                 OPTIONS.iter().map(|option| option.key).chain(keys_of_rules.iter().copied()).collect();
             let message = instead_of_option(key)
                 .map_or_else(|| unknown("key", key, &known), |instead| format!("`{key}`: {instead}"));
             return Err(fault(span, message));
         };
+        let is_of_terrains = OPTIONS[index].scope == Scope::Terrains;
+        match place {
+            Place::Defaults if is_of_terrains => {
+                return Err(fault(span, format!("`{key}` applies to terrains: move it below [terrain] or a [[rule]]")));
+            }
+            Place::Terrain if !is_of_terrains => {
+                let message = "is no option of a height field: move it below [defaults] or a [[rule]]";
+                return Err(fault(span, format!("`{key}` {message}")));
+            }
+            _ => {}
+        }
         let syntax = OPTIONS[index].syntax;
         if let Some(text) = value.get_ref().as_str()
             && let Some(instead) = instead_of_value(key, text)
@@ -174,18 +198,16 @@ fn in_order<'t>(table: &'t DeTable) -> Vec<(Range<usize>, &'t str, &'t Spanned<D
 }
 
 fn text_of(value: &DeValue, syntax: Syntax) -> Option<String> {
-    let accepts_none = matches!(
-        syntax,
-        Syntax::CountOrNone { .. } | Syntax::PositiveOrNone | Syntax::ShareOrNone | Syntax::LengthOrNone
-    );
-    let accepts_float =
-        matches!(syntax, Syntax::Positive | Syntax::PositiveOrNone | Syntax::ShareOrNone | Syntax::LengthOrNone);
-    let accepts_integer = accepts_float || matches!(syntax, Syntax::CountOrNone { .. });
+    use Syntax::{HoleOrNone, LengthOrNone, NameOrNone, PairOrNone, ShareOrNone, SpacingOrNone, Switch, Words};
+    let is_text = matches!(syntax, Words(_) | ShareOrNone | LengthOrNone | HoleOrNone | NameOrNone);
+    let accepts_integer = !matches!(syntax, Words(_) | Switch | NameOrNone | PairOrNone);
+    let accepts_float = accepts_integer && !matches!(syntax, Syntax::CountOrNone { .. });
     match value {
-        DeValue::String(text) if matches!(syntax, Syntax::Words(_) | Syntax::ShareOrNone | Syntax::LengthOrNone) => {
-            Some(text.to_string())
+        DeValue::String(text) if is_text || syntax.takes_none() && text == "none" => Some(text.to_string()),
+        DeValue::Array(numbers) if matches!(syntax, PairOrNone | SpacingOrNone) => {
+            let texts = numbers.iter().map(|number| text_of(number.get_ref(), Syntax::Finite));
+            Some(texts.collect::<Option<Vec<String>>>()?.join(","))
         }
-        DeValue::String(text) if accepts_none && text == "none" => Some(text.to_string()),
         DeValue::Integer(number) if accepts_integer => {
             i64::from_str_radix(number.as_str(), number.radix()).ok().map(|number| number.to_string())
         }
@@ -200,9 +222,13 @@ fn toml_type(syntax: Syntax) -> &'static str {
         Syntax::Words(_) => "a string",
         Syntax::Switch => "true or false",
         Syntax::ShareOrNone | Syntax::LengthOrNone => "a number, or a string such as \"2%\" or \"none\"",
-        Syntax::Positive => "a number",
+        Syntax::Positive | Syntax::Finite => "a number",
         Syntax::CountOrNone { .. } => "a whole number or \"none\"",
-        Syntax::PositiveOrNone => "a number or \"none\"",
+        Syntax::PositiveOrNone | Syntax::FiniteOrNone => "a number or \"none\"",
+        Syntax::PairOrNone => "a list of two numbers or \"none\"",
+        Syntax::SpacingOrNone => "a number, a list of two, or \"none\"",
+        Syntax::HoleOrNone => "a number, also as a string, or \"none\"",
+        Syntax::NameOrNone => "a string",
     }
 }
 
@@ -276,6 +302,12 @@ mod tests {
                 ":2: `vhacd_alpha`: V-HACD was removed; use decompose without a method",
             ),
             ("[defaults]\nzz = 1\naa = 2\n", ":2: unknown key `zz`"),
+            ("[defaults]\nspacing = 2\n", ":2: `spacing` applies to terrains: move it below [terrain] or a [[rule]]"),
+            ("[terrain]\nindex = \"none\"\n", ":2: `index` is no option of a height field: move it below [defaults]"),
+            ("terrain = true\n", ":1: `terrain` must be a table: write [terrain]"),
+            ("[terrain]\nspacing = [2, 0]\n", ":2: spacing = 2,0: expected one or two lengths above 0, or none"),
+            ("[terrain]\norigin = 2\n", ":2: origin: expected a list of two numbers or \"none\", found integer"),
+            ("[terrain]\nhole_image = \"a/b.png\"\n", ":2: hole_image = \"a/b.png\": expected the name of a file"),
         ] {
             let message = error(text);
             assert!(message.starts_with("a/hullmap.toml:") && message.contains(expected), "{text}: {message}");
@@ -291,6 +323,14 @@ mod tests {
             let config = parse(Path::new("x"), &text).unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(config.defaults.get("unit_scale"), Some(Value::Number(scale)), "{text}");
         }
+    }
+
+    #[test]
+    fn terrains_have_a_table_of_their_own() {
+        let text = "[terrain]\nspacing = [2, 0.5]\norigin = [-1, 2]\nhole = -9999\n[defaults]\nindex = \"none\"\n";
+        let defaults = parse(Path::new("x"), text).unwrap().defaults;
+        let texts = ["spacing", "origin", "hole", "index"].map(|key| defaults.get(key).unwrap().to_string());
+        assert_eq!(texts, ["2,0.5", "-1,2", "-9999", "none"]);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::pack_names::PackName;
+use crate::content::beside;
 use crate::options::{BuildOptions, RecordSource};
 use crate::pack_file::{folder_of, recorded_path, records_source};
 use crate::packs::PackPlace;
@@ -66,9 +67,9 @@ impl Job {
         }
         let length = |path: &Path| std::fs::metadata(path).map_or(0, |metadata| metadata.len());
         // A GLB file contains its buffer; finding others would require reading all of it.
-        let is_gltf = self.source.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gltf"));
-        let buffers = if is_gltf { hullmap_import::buffers_of(&self.source).unwrap_or_default() } else { Vec::new() };
-        length(&self.source) + buffers.iter().map(|path| length(path)).sum::<u64>()
+        let is_glb = self.source.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
+        let beside = if is_glb { Vec::new() } else { beside(&self.source, &self.options).unwrap_or_default() };
+        length(&self.source) + beside.iter().map(|path| length(path)).sum::<u64>()
     }
 }
 

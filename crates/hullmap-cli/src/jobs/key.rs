@@ -6,11 +6,12 @@
 
 use std::path::Path;
 
-use hullmap_import::{self as import, Limits, ReadError, SourceFile};
+use hullmap_import::{Limits, ReadError, SourceFile};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use super::job::{Input, Job};
+use crate::content;
 use crate::outcome::Failure;
 
 /// The key is SHA-256 of this value as compact JSON, with the fields in this order.
@@ -76,7 +77,7 @@ pub fn read(job: &Job, limits: &Limits) -> Result<SourceFile, Failure> {
         }
         limits.input_bytes = planned;
     }
-    import::read(&file, &job.source, &limits).map_err(|error| match error {
+    content::read(&file, &job.source, &job.options, &limits).map_err(|error| match error {
         error if planned.is_some() && error.is_too_large() => changed(job),
         ReadError::Io(error) => Failure::usage(format!("{file}: cannot read: {error}; check the file")),
         ReadError::Import(error) => Failure::rejected(error.to_string()),

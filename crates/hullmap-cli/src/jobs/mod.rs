@@ -22,7 +22,9 @@ pub mod task;
 
 use std::path::{Path, PathBuf};
 
-use hullmap_import::NAMES;
+use hullmap_format::header::FileKind;
+use hullmap_import::height_field::is_grid;
+use hullmap_import::{NAMES, is_source};
 
 use crate::args::MeshArgs;
 use crate::config::{Chosen, Configs};
@@ -76,7 +78,15 @@ pub fn jobs(args: &MeshArgs, out: &Path, printed: Messages) -> Result<Jobs, Fail
         )));
     }
     let mut filter = Filter::new(args);
-    let found = search::search(&args.inputs, out, &mut filter, args.no_ignore)?;
+    let mut configs = Configs::new(args.config.as_deref(), args.no_config)?;
+    let is_terrain = args.options.kind() == FileKind::HeightField;
+    let mut is_meant = |path: &Path| match is_source(path) {
+        false if is_grid(path) => {
+            Ok(args.options.laid_over(&configs.layer(path)?.layer).kind() == FileKind::HeightField)
+        }
+        is_mesh => Ok(is_mesh && !is_terrain),
+    };
+    let found = search::search(&args.inputs, out, &mut filter, args.no_ignore, &mut is_meant)?;
     if let Some(passed_over) = found.passed_over().filter(|_| warns) {
         terminal::note(passed_over);
     }
@@ -84,7 +94,6 @@ pub fn jobs(args: &MeshArgs, out: &Path, printed: Messages) -> Result<Jobs, Fail
     for glob in filter.unused().filter(|_| warns) {
         terminal::warning(format_args!("--exclude: no mesh matches `{glob}`"));
     }
-    let mut configs = Configs::new(args.config.as_deref(), args.no_config)?;
     let mut chosen = Vec::with_capacity(meshes.len());
     for mesh in meshes {
         let Chosen { layer, skips, config } = configs.layer(&mesh.source)?;

@@ -7,6 +7,7 @@ use ignore::{DirEntry, Error, WalkBuilder};
 use super::filter::Filter;
 use crate::outcome::Failure;
 use crate::project::ROOT_MARKS;
+use hullmap_import::height_field::is_grid;
 use hullmap_import::{NAMES, is_source, unread_format};
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -14,6 +15,9 @@ pub struct Mesh {
     pub source: PathBuf,
     pub folder: PathBuf,
 }
+
+/// Whether a file in a folder is baked: a mesh, or a grid of heights that a rule chooses.
+pub type IsMeant<'a> = dyn FnMut(&Path) -> Result<bool, Failure> + 'a;
 
 #[derive(Debug, Default)]
 pub struct Found {
@@ -44,9 +48,16 @@ impl Found {
 ///
 /// Packs of files lie in `out`; files in a folder keep their path relative to it. Links to folders
 /// are followed, except in cycles. A file that is reached twice with the same folder is baked once.
-/// In folders, hidden files and files that a `.gitignore` names are passed over, unless `is_all`.
-/// Fails if an input is missing or cannot be read, or no mesh is left.
-pub fn search(inputs: &[PathBuf], out: &Path, filter: &mut Filter, is_all: bool) -> Result<Found, Failure> {
+/// In folders, hidden files and files that a `.gitignore` names are passed over, unless `is_all`;
+/// `is_meant` decides which of the others are baked. Fails if an input is missing or cannot be
+/// read, or no mesh is left.
+pub fn search(
+    inputs: &[PathBuf],
+    out: &Path,
+    filter: &mut Filter,
+    is_all: bool,
+    is_meant: &mut IsMeant,
+) -> Result<Found, Failure> {
     let mut found = Found::default();
     let mut left_out = 0;
     for input in inputs {
@@ -55,7 +66,7 @@ pub fn search(inputs: &[PathBuf], out: &Path, filter: &mut Filter, is_all: bool)
         })?;
         if kind.is_dir() {
             let before = found.meshes.len();
-            let count = search_folder(input, out, filter, is_all, &mut found)?;
+            let count = search_folder(input, out, filter, is_all, is_meant, &mut found)?;
             if count == 0 {
                 found.empty.push(input.clone());
             }
@@ -102,9 +113,10 @@ fn search_folder(
     out: &Path,
     filter: &mut Filter,
     is_all: bool,
+    is_meant: &mut IsMeant,
     found: &mut Found,
 ) -> Result<usize, Failure> {
-    let is_mesh = |path: &Path| is_source(path) || unread_format(path).is_some();
+    let is_mesh = |path: &Path| is_source(path) || is_grid(path) || unread_format(path).is_some();
     let is_folder = |entry: &DirEntry| entry.file_type().is_some_and(|kind| kind.is_dir());
     let searched = (!is_all).then(|| {
         let path = |entry: Result<DirEntry, Error>| match entry {
@@ -139,18 +151,25 @@ fn search_folder(
             },
         };
         let below = path.strip_prefix(folder).unwrap_or(&path);
-        if !is_mesh(&path) || !filter.keeps(Some(below), &path) {
-            count += usize::from(is_source(&path));
+        if !is_mesh(&path) {
+            continue;
+        }
+        let is_meant = is_meant(&path)?;
+        if !filter.keeps(Some(below), &path) {
+            count += usize::from(is_meant);
             continue;
         }
         if !is_searched(&path) {
             let is_hidden = below.iter().any(|part| is_hidden(Some(part)));
-            *(if is_hidden { &mut found.hidden } else { &mut found.ignored }) += usize::from(is_source(&path));
+            *(if is_hidden { &mut found.hidden } else { &mut found.ignored }) += usize::from(is_meant);
+            continue;
+        }
+        if !is_meant && unread_format(&path).is_none() {
             continue;
         }
         let folder = out.join(below.parent().unwrap_or(Path::new("")));
-        let meshes = if is_source(&path) { &mut found.meshes } else { &mut found.unread };
-        count += usize::from(is_source(&path));
+        let meshes = if is_meant { &mut found.meshes } else { &mut found.unread };
+        count += usize::from(is_meant);
         meshes.push(Mesh { source: path, folder });
     }
     Ok(count)
@@ -223,7 +242,9 @@ mod tests {
     }
 
     fn outputs(inputs: &[PathBuf]) -> Vec<String> {
-        let meshes = search(inputs, Path::new("out"), &mut Filter::default(), false).unwrap().meshes;
+        let meshes = search(inputs, Path::new("out"), &mut Filter::default(), false, &mut |path| Ok(is_source(path)))
+            .unwrap()
+            .meshes;
         let unnamed = |mesh| Unnamed { mesh, keeps_extension: None, kind: FileKind::Pack };
         let meshes: Vec<_> = meshes.iter().map(unnamed).collect();
         let names = pack_names(&meshes);
@@ -251,7 +272,9 @@ mod tests {
         let meshes = folder(&["a.txt"]);
         for (input, words) in [("no.obj", "no.obj"), ("", "no meshes")] {
             let inputs = [meshes.path().join(input)];
-            let failure = search(&inputs, Path::new("out"), &mut Filter::default(), false).unwrap_err();
+            let failure =
+                search(&inputs, Path::new("out"), &mut Filter::default(), false, &mut |path| Ok(is_source(path)))
+                    .unwrap_err();
             assert!(failure.message.contains(words), "{failure}");
         }
     }
@@ -260,9 +283,12 @@ mod tests {
     fn a_folder_without_meshes_does_not_stop_the_others() {
         let meshes = folder(&["a/x.obj", "b/readme.txt", "c/y.usd"]);
         let inputs = ["a", "b", "c"].map(|name| meshes.path().join(name));
-        let found = search(&inputs, Path::new("out"), &mut Filter::default(), false).unwrap();
+        let found =
+            search(&inputs, Path::new("out"), &mut Filter::default(), false, &mut |path| Ok(is_source(path))).unwrap();
         assert_eq!((found.meshes.len(), found.unread.len(), &found.empty[..]), (1, 1, &inputs[1..]));
-        let failure = search(&inputs[1..], Path::new("out"), &mut Filter::default(), false).unwrap_err();
+        let failure =
+            search(&inputs[1..], Path::new("out"), &mut Filter::default(), false, &mut |path| Ok(is_source(path)))
+                .unwrap_err();
         assert!(failure.message.contains("b: no meshes") && failure.message.contains("1 .usd (USD)"), "{failure}");
     }
 

@@ -39,7 +39,7 @@ fn rotated_rows(columns: [[f64; 3]; 3], up_axis: UpAxis) -> [[f64; 3]; 3] {
 }
 
 /// A hull to be written. Field names are the JSON's.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Body {
     pub name: String,
     /// 3 solid, 2 polygon, 1 segment, 0 point.

@@ -1,4 +1,4 @@
-//! The options as flags of `bake build` and `bake decompose`, made from the table.
+//! The options as flags of the subcommands, made from the table.
 
 use std::sync::LazyLock;
 
@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::{Arg, ArgMatches, Command};
 
 use super::OptionLayer;
-use super::table::{BuildOption, OPTIONS, Section, position};
+use super::table::{BuildOption, OPTIONS, Scope, Section, position};
 use super::value::{Syntax, Value};
 
 pub fn flag(key: &str) -> String {
@@ -18,9 +18,22 @@ static FLAGS: LazyLock<Vec<(&'static BuildOption, &'static str)>> = LazyLock::ne
     Section::ALL.iter().flat_map(|own| own.options()).map(|option| (option, &*flag(option.key).leak())).collect()
 });
 
+/// The subcommand whose options are those of terrains. All others take those of meshes, and find
+/// terrains by the rules of `hullmap.toml`.
+pub const TERRAIN: &str = "terrain";
+
 impl clap::Args for OptionLayer {
     fn augment_args(command: Command) -> Command {
-        command.args(FLAGS.iter().map(|(option, flag)| arg(option, flag)))
+        let is_terrain = command.get_name() == TERRAIN;
+        let is_taken = |option: &BuildOption| match option.scope {
+            Scope::All => option.key != "terrain",
+            Scope::Terrains => is_terrain,
+            _ => !is_terrain,
+        };
+        let mut taken: Vec<_> = FLAGS.iter().filter(|(option, _)| is_taken(option)).collect();
+        // The help has the options of the subcommand first.
+        taken.sort_by_key(|(option, _)| option.scope != Scope::Terrains);
+        command.args(taken.into_iter().map(|(option, flag)| arg(option, flag)))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -85,7 +98,7 @@ impl clap::FromArgMatches for PartsLayer {
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
         for (key, _) in OF_PARTS {
             if let Some(index) = position(key) {
-                self.0.set_at(index, matches.get_one::<Value>(key).copied());
+                self.0.set_at(index, matches.get_one::<Value>(key).cloned());
             }
         }
         for (key, value) in [("split", "object"), ("decompose", "true"), ("index", "none")] {
@@ -104,7 +117,11 @@ impl clap::FromArgMatches for OptionLayer {
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
         for (index, option) in OPTIONS.iter().enumerate() {
-            self.set_at(index, matches.get_one::<Value>(option.key).copied());
+            // A subcommand takes some of them.
+            self.set_at(index, matches.try_get_one::<Value>(option.key).ok().flatten().cloned());
+        }
+        if matches.try_contains_id("spacing").is_ok() {
+            self.set_at(position("terrain").unwrap_or_default(), Some(Value::Switch(true)));
         }
         Ok(())
     }
@@ -124,6 +141,8 @@ fn arg(option: &'static BuildOption, flag: &'static str) -> Arg {
         .value_name(option.value_name)
         .value_parser(value_parser(option))
         .hide_possible_values(true)
+        // Heights, offsets and origins may be below 0.
+        .allow_hyphen_values(option.scope == Scope::Terrains)
         .hide_short_help(option.is_advanced);
     match (option.syntax, option.default) {
         // A switch that is on by default can only be switched off, with a value.

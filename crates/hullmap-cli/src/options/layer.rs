@@ -2,7 +2,9 @@
 //! or a pack's record.
 
 use super::removed::instead_of_option;
-use super::table::{Group, OPTION_COUNT, OPTIONS, position};
+use hullmap_format::header::FileKind;
+
+use super::table::{Group, OPTION_COUNT, OPTIONS, Scope, position};
 use super::value::Value;
 
 /// The options that one source gives, in the order of the table; `None` for those it leaves out.
@@ -26,8 +28,8 @@ enum ClashKind {
     SwitchedOff,
     /// `key` has no effect without `other`.
     NoEffect,
-    /// `key` shapes hulls, and `other` writes none.
-    OfHulls,
+    /// `key` shapes other contents than `other` writes.
+    OfOthers,
 }
 
 impl Clash {
@@ -35,8 +37,9 @@ impl Clash {
         Self { key, other: "decompose", kind: ClashKind::NoEffect }
     }
 
-    pub(super) fn of_hulls(key: &'static str) -> Self {
-        Self { key, other: "keep_triangles", kind: ClashKind::OfHulls }
+    pub(super) fn of_others(key: &'static str, kind: FileKind) -> Self {
+        let other = if kind == FileKind::HeightField { "terrain" } else { "keep_triangles" };
+        Self { key, other, kind: ClashKind::OfOthers }
     }
 
     /// The error and its remedy; `name` turns a key into the option's name as it was written.
@@ -45,7 +48,7 @@ impl Clash {
         match self.kind {
             ClashKind::Exclusive => format!("{key} and {other} exclude each other; remove one of them"),
             ClashKind::SwitchedOff => format!("{key} has no effect because {other} is false; remove one of them"),
-            ClashKind::OfHulls => {
+            ClashKind::OfOthers => {
                 format!("{key} has no effect with {other}, which writes no hulls; remove one of them")
             }
             ClashKind::NoEffect => format!("{key} has no effect without {other}; add it, or remove {key}"),
@@ -55,11 +58,11 @@ impl Clash {
 
 impl OptionLayer {
     pub fn get(&self, key: &str) -> Option<Value> {
-        self.values[position(key)?]
+        self.values[position(key)?].clone()
     }
 
     pub fn value_at(&self, index: usize) -> Option<Value> {
-        self.values[index]
+        self.values[index].clone()
     }
 
     pub fn set_at(&mut self, index: usize, value: Option<Value>) {
@@ -80,29 +83,41 @@ impl OptionLayer {
         }
     }
 
-    pub(super) fn keeps_triangles(&self) -> bool {
-        self.get("keep_triangles") == Some(Value::Switch(true))
+    /// What a source with these options becomes.
+    pub fn kind(&self) -> FileKind {
+        let is_on = |key: &str| self.get(key) == Some(Value::Switch(true));
+        match (is_on("terrain"), is_on("keep_triangles")) {
+            (true, _) => FileKind::HeightField,
+            (false, true) => FileKind::TriangleMesh,
+            (false, false) => FileKind::Pack,
+        }
     }
 
-    pub(super) fn first_option_of_hulls(&self) -> Option<&'static str> {
+    fn first(&self, is_meant: impl Fn(Scope) -> bool) -> Option<&'static str> {
         let mut given = OPTIONS.iter().zip(&self.values).filter(|(_, value)| value.is_some());
-        given.find(|(option, _)| !option.is_of_triangles).map(|(option, _)| option.key)
+        given.find(|(option, _)| is_meant(option.scope)).map(|(option, _)| option.key)
+    }
+
+    /// The first option of this layer that does not apply to this kind of file.
+    pub(super) fn first_option_of_others(&self, kind: FileKind) -> Option<&'static str> {
+        // Defaults of the terrains of a folder are no mistake in its other files.
+        self.first(|scope| scope != Scope::Terrains && !scope.includes(kind))
     }
 
     /// The first option of this layer that only applies to decomposed meshes.
     pub fn first_option_of_parts(&self) -> Option<&'static str> {
-        let mut given = OPTIONS.iter().zip(&self.values).filter(|(_, value)| value.is_some());
-        given.find(|(option, _)| option.is_of_parts).map(|(option, _)| option.key)
+        self.first(|scope| scope == Scope::Parts)
     }
 
     /// Two contradicting options of this layer. Between layers, the upper one wins.
     pub fn clash(&self) -> Option<Clash> {
         let is_set = |key| self.get(key).is_some();
         let clash = |key, other, kind| Some(Clash { key, other, kind });
-        if self.keeps_triangles()
-            && let Some(key) = self.first_option_of_hulls()
+        let kind = self.kind();
+        if kind != FileKind::Pack
+            && let Some(key) = self.first_option_of_others(kind)
         {
-            Some(Clash::of_hulls(key))
+            Some(Clash::of_others(key, kind))
         } else if is_set("max_vertices") && is_set("max_error") && self.decompose() != Some(true) {
             clash("max_error", "max_vertices", ClashKind::Exclusive)
         } else if self.decompose() == Some(false) {
@@ -119,7 +134,7 @@ impl OptionLayer {
         for (index, option) in OPTIONS.iter().enumerate() {
             let is_replaced = option.group != Group::Single && self.gives_any_of(option.group);
             if !is_replaced {
-                result.values[index] = self.values[index].or(lower.values[index]);
+                result.values[index] = self.values[index].clone().or_else(|| lower.values[index].clone());
             }
         }
         result
@@ -160,6 +175,16 @@ pub mod tests {
         ("fill", "true"),
         ("primitives", "true"),
         ("keep_triangles", "true"),
+        ("terrain", "true"),
+        ("spacing", "2,3"),
+        ("height_scale", "-0.1"),
+        ("height_offset", "-1e-300"),
+        ("origin", "-5.25,700000"),
+        ("hole", "-3.402823e+38"),
+        ("hole_image", "holes of a x.png"),
+        ("rows", "17"),
+        ("columns", "4096"),
+        ("diagonal", "falling"),
     ];
 
     pub fn layer(pairs: &[(&str, &str)]) -> OptionLayer {

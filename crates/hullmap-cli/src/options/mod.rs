@@ -15,7 +15,7 @@ mod template;
 pub mod value;
 
 #[cfg(feature = "command")]
-pub use flags::{PartsLayer, flag};
+pub use flags::{PartsLayer, TERRAIN, flag};
 pub use layer::OptionLayer;
 pub use resolved::BuildOptions;
 #[cfg(feature = "command")]

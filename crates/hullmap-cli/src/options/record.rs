@@ -17,11 +17,13 @@ impl fmt::Display for BuildOptions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut separator = "";
         for (index, option) in OPTIONS.iter().enumerate() {
-            let text = match (option.record, self.0.value_at(index)) {
+            let text = match (option.record, &self.0.value_at(index)) {
                 (Record::Never, _) | (_, None) => continue,
                 (Record::Always, Some(_)) if option.key == "index" => recorded_index(self.index()),
                 (Record::Always, Some(value)) => value.to_string(),
-                (Record::IfChanged, Some(value)) if option.syntax.parse(option.default) == Ok(value) => continue,
+                (Record::IfChanged, Some(value)) if option.syntax.parse(option.default).as_ref() == Ok(value) => {
+                    continue;
+                }
                 (Record::IfChanged, Some(_)) if option.key == "decompose" => COVER.to_owned(),
                 (Record::IfChanged, Some(value)) => value.to_string(),
             };
@@ -100,7 +102,7 @@ mod tests {
 
     /// Texts of options that differ from the defaults. They decide which packs are fresh: a change
     /// here makes all existing packs stale.
-    const RECORDS: [(&[(&str, &str)], &str); 26] = [
+    const RECORDS: [(&[(&str, &str)], &str); 28] = [
         (&[], "split none, vertices referenced, index tree 8"),
         (&[("split", "object")], "split object, vertices referenced, index tree 8"),
         (&[("split", "auto")], "split auto, vertices referenced, index tree 8"),
@@ -139,6 +141,12 @@ mod tests {
             &[("keep_triangles", "true"), ("unit_scale", "2")],
             "split none, vertices referenced, index none, unit_scale 2, keep_triangles true",
         ),
+        (&[("terrain", "true")], "split none, vertices referenced, index none, terrain true"),
+        (
+            &[("terrain", "true"), ("spacing", "0.5"), ("origin", "1e3,-2"), ("hole", "-3.4e38"), ("rows", "9")],
+            "split none, vertices referenced, index none, terrain true, spacing 0.5,0.5, origin 1000,-2, \
+             hole -340000000000000000000000000000000000000, rows 9",
+        ),
     ];
 
     #[test]
@@ -168,6 +176,8 @@ mod tests {
             "split none, vertices all, index tree 8, unit_scale 0",
             "split none, vertices all, index tree 8, unit_scale nan",
             "split none, vertices all, index tree 8, recentre",
+            "split none, vertices all, index none, terrain true, hole_image ../x",
+            "split none, vertices all, index none, terrain true, origin 1",
             "split none, vertices all, index tree 8, pack_names full",
             "split none, vertices all, index tree 8, decompose true",
             "split none, vertices all, index tree 8, decompose true, vhacd_resolution 32",

@@ -1,15 +1,18 @@
 //! The options of a bake: a layer whose gaps are filled with the defaults.
 
+use std::sync::Arc;
+
+use hullmap::height_field::{Diagonal, Layout};
 use hullmap_bake::IndexKind;
 use hullmap_bake::decompose::{Cover, Length};
 use hullmap_bake::simplify::Limit;
 use hullmap_format::header::FileKind;
-use hullmap_format::triangle_mesh;
-use hullmap_format::version::Layout;
+use hullmap_format::{height_field, triangle_mesh, version};
+use hullmap_import::height_field::{HeightOptions, Heights};
 use hullmap_import::{ImportOptions, Split, UpAxis, Vertices};
 
 use super::layer::{Clash, OptionLayer};
-use super::table::{OPTIONS, position};
+use super::table::{OPTIONS, Scope, position};
 use super::value::Value;
 use crate::budget::{Budget, budget};
 
@@ -34,16 +37,16 @@ pub enum RecordSource {
 
 impl OptionLayer {
     pub fn resolve(&self) -> BuildOptions {
-        let mut resolved = self.clone();
+        let (mut resolved, kind) = (self.clone(), self.kind());
         for (value, option) in resolved.values.iter_mut().zip(&OPTIONS) {
-            let applies = (!option.is_of_parts || self.decompose() == Some(true))
-                && (option.is_of_triangles || !self.keeps_triangles());
+            let applies =
+                option.scope.includes(kind) && (option.scope != Scope::Parts || self.decompose() == Some(true));
             if value.is_none() || !applies {
                 *value = Some(option.syntax.parse(option.default).expect("a default is an accepted value"));
             }
         }
-        // Triangles have no direction index.
-        if let (true, Some(index)) = (self.keeps_triangles(), position("index")) {
+        // Only hulls have a direction index.
+        if let (true, Some(index)) = (kind != FileKind::Pack, position("index")) {
             resolved.values[index] = Some(Value::Word("none"));
         }
         BuildOptions(resolved)
@@ -52,9 +55,9 @@ impl OptionLayer {
     /// The first option of this layer that has no effect: it shapes parts, and none of `resolved`
     /// decomposes. Other layers may have contributed to `resolved`.
     pub fn without_effect<'a>(&self, resolved: impl Iterator<Item = &'a BuildOptions> + Clone) -> Option<Clash> {
-        let keep_triangles = |options: &BuildOptions| options.keeps_triangles();
-        if resolved.clone().next().is_some() && resolved.clone().all(keep_triangles) {
-            return self.first_option_of_hulls().map(Clash::of_hulls);
+        let kind = resolved.clone().next().map(BuildOptions::file_kind).filter(|kind| *kind != FileKind::Pack);
+        if let Some(kind) = kind.filter(|kind| resolved.clone().all(|options| options.file_kind() == *kind)) {
+            return self.first_option_of_others(kind).map(|key| Clash::of_others(key, kind));
         }
         let has_parts = resolved.clone().any(|options| options.switch("decompose"));
         self.first_option_of_parts().filter(|_| !has_parts).map(Clash::of_parts)
@@ -108,12 +111,54 @@ impl BuildOptions {
         })
     }
 
-    pub fn keeps_triangles(&self) -> bool {
-        self.switch("keep_triangles")
+    pub fn file_kind(&self) -> FileKind {
+        self.0.kind()
     }
 
-    pub fn file_kind(&self) -> FileKind {
-        if self.keeps_triangles() { FileKind::TriangleMesh } else { FileKind::Pack }
+    /// How samples become heights.
+    pub fn samples(&self) -> HeightOptions {
+        HeightOptions {
+            scale: self.optional_number("height_scale").unwrap_or(1.0),
+            offset: self.number("height_offset"),
+            hole: match self.0.get("hole") {
+                Some(Value::Hole(hole)) => Some(hole),
+                _ => None,
+            },
+            raw: self
+                .optional_count("columns")
+                .zip(self.optional_count("rows"))
+                .map(|(columns, rows)| [columns as usize, rows as usize]),
+        }
+    }
+
+    pub fn has_height_scale(&self) -> bool {
+        self.optional_number("height_scale").is_some()
+    }
+
+    /// Name of the image of holes, beside the source.
+    pub fn hole_image(&self) -> Option<Arc<str>> {
+        match self.0.get("hole_image") {
+            Some(Value::Name(name)) => Some(name),
+            _ => None,
+        }
+    }
+
+    /// The grid of these heights. Fails if the distance of the samples is not known.
+    pub fn layout(&self, heights: &Heights) -> Result<Layout, &'static str> {
+        let pair = |key: &str| match self.0.get(key) {
+            Some(Value::Pair(pair)) => Some(pair),
+            _ => None,
+        };
+        let Heights { columns, rows, .. } = *heights;
+        let spacing = pair("spacing")
+            .or(heights.spacing)
+            .ok_or("the file states no distance of its samples; name it with --spacing")?;
+        let [dx, dy] = spacing;
+        // The middle of the grid is at the origin.
+        let middle = [(columns, dx), (rows, dy)].map(|(count, own)| -0.5 * own * count.saturating_sub(1) as f64);
+        let origin = pair("origin").or(heights.origin).unwrap_or(middle);
+        let diagonal = if self.word("diagonal") == "falling" { Diagonal::Falling } else { Diagonal::Rising };
+        Ok(Layout { columns, rows, origin, spacing, diagonal })
     }
 
     pub fn has_primitives(&self) -> bool {
@@ -187,10 +232,11 @@ impl BuildOptions {
     }
 
     pub fn format_version(&self) -> u32 {
-        if self.keeps_triangles() {
-            return triangle_mesh::FORMAT_VERSION;
+        match self.file_kind() {
+            FileKind::Pack => version::Layout { is_lean: self.is_lean(), is_extended: true }.version(),
+            FileKind::TriangleMesh => triangle_mesh::FORMAT_VERSION,
+            FileKind::HeightField => height_field::FORMAT_VERSION,
         }
-        Layout { is_lean: self.is_lean(), is_extended: true }.version()
     }
 
     fn word(&self, key: &str) -> &'static str {
@@ -222,6 +268,7 @@ fn unexpected(key: &str, value: Option<Value>) -> ! {
 #[cfg(test)]
 pub mod tests {
     use super::*;
+    use crate::options::layer::tests::VALUES;
 
     pub fn options(pairs: &[(&str, &str)]) -> BuildOptions {
         crate::options::layer::tests::layer(pairs).resolve()
@@ -291,13 +338,38 @@ pub mod tests {
         assert_eq!(options(&[("decompose", "true"), ("max_vertices", "32")]).simplify(1.0), None);
         let kinds = ["false", "true"].map(|value| options(&[("keep_triangles", value)]).file_kind());
         assert_eq!(kinds, [FileKind::Pack, FileKind::TriangleMesh]);
+        let terrain = options(&VALUES);
+        let samples =
+            HeightOptions { scale: -0.1, offset: -1e-300, hole: "-3.402823e+38".parse().ok(), raw: Some([4096, 17]) };
+        assert_eq!((terrain.samples(), terrain.hole_image().as_deref()), (samples, Some("holes of a x.png")));
+        let heights = |spacing, origin| Heights {
+            columns: 3,
+            rows: 5,
+            heights: Vec::new(),
+            hole_samples: 0,
+            origin,
+            spacing,
+            is_image: false,
+        };
+        let expected =
+            Layout { columns: 3, rows: 5, origin: [-5.25, 7e5], spacing: [2.0, 3.0], diagonal: Diagonal::Falling };
+        assert_eq!(terrain.layout(&heights(Some([9.0; 2]), Some([9.0; 2]))), Ok(expected));
+        let plain = options(&[("terrain", "true")]);
+        let layout = plain.layout(&heights(Some([4.0; 2]), None)).unwrap();
+        assert_eq!((layout.origin, layout.diagonal), ([-4.0, -8.0], Diagonal::Rising), "centred");
+        assert!(plain.layout(&heights(None, None)).unwrap_err().contains("--spacing"));
     }
 
     /// A level below a folder whose meshes are decomposed keeps its triangles.
     #[test]
     fn options_of_hulls_do_not_apply_to_triangles() {
-        let level = options(&crate::options::layer::tests::VALUES);
-        assert!(level.keeps_triangles());
+        let values: Vec<_> = VALUES.into_iter().filter(|(key, _)| *key != "terrain").collect();
+        let level = options(&values);
+        assert_eq!(level.file_kind(), FileKind::TriangleMesh);
+        // A terrain in a folder whose levels keep their triangles has their options neither.
+        let terrain = options(&VALUES);
+        let text = "split none, vertices referenced, index none, terrain true, spacing 2,3, height_scale -0.1";
+        assert!(terrain.to_string().starts_with(text), "{terrain}");
         assert_eq!((level.decompose(), level.simplify(1.0), level.budget().is_some()), (None, None, false));
         let import = level.import();
         assert_eq!((import.split, import.recentre), (Split::None, false));

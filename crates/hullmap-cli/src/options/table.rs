@@ -1,11 +1,15 @@
-//! The table of all options that shape packs and triangle meshes: key, accepted values, default,
-//! help. The options of height fields are in `args/height_field.rs`.
+//! The table of all options that shape a file: key, accepted values, default, help.
 //!
 //! Flags, their help, the keys of `hullmap.toml`, its template, and the record in a pack come from
 //! this table. Flags of a whole run (`--jobs`, `--verify`, …) are in `args.rs`.
 
+use hullmap_format::header::FileKind;
+
 use super::removed::instead_of_value;
-use super::value::Syntax::{self, CountOrNone, LengthOrNone, Positive, PositiveOrNone, ShareOrNone, Switch, Words};
+use super::value::Syntax::{
+    self, CountOrNone, Finite, FiniteOrNone, HoleOrNone, LengthOrNone, NameOrNone, PairOrNone, Positive,
+    PositiveOrNone, ShareOrNone, SpacingOrNone, Switch, Words,
+};
 use super::value::Value;
 
 #[derive(Debug)]
@@ -21,9 +25,7 @@ pub struct BuildOption {
     /// Whether `-h` leaves it out; `--help` lists every option.
     pub is_advanced: bool,
     pub group: Group,
-    /// Whether it applies to decomposed meshes alone.
-    pub is_of_parts: bool,
-    pub is_of_triangles: bool,
+    pub scope: Scope,
     pub record: Record,
 }
 
@@ -36,6 +38,31 @@ impl BuildOption {
     }
 }
 
+/// The contents that an option applies to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scope {
+    /// Packs.
+    Hulls,
+    /// Packs of decomposed meshes.
+    Parts,
+    /// Packs and triangle meshes.
+    Meshes,
+    /// Height fields.
+    Terrains,
+    All,
+}
+
+impl Scope {
+    pub fn includes(self, kind: FileKind) -> bool {
+        match self {
+            Self::Hulls | Self::Parts => kind == FileKind::Pack,
+            Self::Meshes => kind != FileKind::HeightField,
+            Self::Terrains => kind == FileKind::HeightField,
+            Self::All => true,
+        }
+    }
+}
+
 /// Section of the help, by what an option changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
@@ -43,12 +70,15 @@ pub enum Section {
     Parts,
     Files,
     Index,
+    Terrain,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Group {
     Single,
     Limit,
+    /// What a source becomes.
+    Content,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,7 +91,7 @@ pub enum Record {
 }
 
 impl Section {
-    pub const ALL: [Self; 4] = [Self::Shape, Self::Parts, Self::Files, Self::Index];
+    pub const ALL: [Self; 5] = [Self::Shape, Self::Parts, Self::Files, Self::Index, Self::Terrain];
 
     pub const fn heading(self) -> &'static str {
         match self {
@@ -69,6 +99,7 @@ impl Section {
             Self::Parts => "Parts",
             Self::Files => "Files",
             Self::Index => "Index",
+            Self::Terrain => "Terrain",
         }
     }
 
@@ -123,7 +154,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         value_name: "F",
         help: "Multiply coordinates by F; 0.01 converts centimetres to metres",
         section: Section::Shape,
-        is_of_triangles: true,
+        scope: Scope::Meshes,
         ..OPTION
     },
     BuildOption {
@@ -133,7 +164,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         value_name: "keep|y-to-z|z-to-y",
         help: "Rotate about x: y-to-z turns a y-up mesh into a z-up mesh",
         section: Section::Shape,
-        is_of_triangles: true,
+        scope: Scope::Meshes,
         ..OPTION
     },
     BuildOption {
@@ -183,7 +214,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         section: Section::Files,
         is_advanced: true,
         record: Record::Never,
-        is_of_triangles: true,
+        scope: Scope::All,
         ..OPTION
     },
     BuildOption {
@@ -194,7 +225,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         help: "Maximum number of parts; the search then looks for the smallest error",
         section: Section::Parts,
         is_advanced: true,
-        is_of_parts: true,
+        scope: Scope::Parts,
         ..OPTION
     },
     BuildOption {
@@ -205,7 +236,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         help: "Maximum overlap of merged parts: the sum of all volumes minus the volume of the union, as a share of the latter (0.05 or 5%); none for any overlap",
         section: Section::Parts,
         is_advanced: true,
-        is_of_parts: true,
+        scope: Scope::Parts,
         ..OPTION
     },
     BuildOption {
@@ -216,7 +247,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         help: "Thickness of parts of a sheet: a length, or a share of the mesh's diagonal; at most half of the maximum error",
         section: Section::Parts,
         is_advanced: true,
-        is_of_parts: true,
+        scope: Scope::Parts,
         ..OPTION
     },
     BuildOption {
@@ -227,7 +258,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         help: "Find and measure the parts of a mesh within S seconds; the error may then exceed the limit, and packs may differ from run to run",
         section: Section::Parts,
         is_advanced: true,
-        is_of_parts: true,
+        scope: Scope::Parts,
         ..OPTION
     },
     BuildOption {
@@ -239,7 +270,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         section: Section::Files,
         is_advanced: true,
         record: Record::Never,
-        is_of_triangles: true,
+        scope: Scope::All,
         ..OPTION
     },
     BuildOption {
@@ -260,7 +291,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         help: "auto: make the parts of a symmetric mesh symmetric if that takes no more parts; none: ignore symmetry",
         section: Section::Parts,
         is_advanced: true,
-        is_of_parts: true,
+        scope: Scope::Parts,
         ..OPTION
     },
     BuildOption {
@@ -271,7 +302,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         help: "Count protrusion only where a ball of radius R can get from outside, so that inner walls need no parts: a length, or a share of the mesh's diagonal",
         section: Section::Parts,
         is_advanced: true,
-        is_of_parts: true,
+        scope: Scope::Parts,
         ..OPTION
     },
     BuildOption {
@@ -291,7 +322,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         help: "Leave no voids: enlarge and add parts until every point of a closed mesh's solid is in a part",
         section: Section::Parts,
         is_advanced: true,
-        is_of_parts: true,
+        scope: Scope::Parts,
         ..OPTION
     },
     BuildOption {
@@ -302,7 +333,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         help: "Record a box, sphere, capsule or cylinder for each part that it can replace within both bounds, and export it instead of the hull",
         section: Section::Parts,
         is_advanced: true,
-        is_of_parts: true,
+        scope: Scope::Parts,
         ..OPTION
     },
     BuildOption {
@@ -312,12 +343,88 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         value_name: "BOOL",
         help: "Write a static mesh of all triangles (.hullmesh) instead of hulls, for a level that does not move",
         section: Section::Shape,
-        is_of_triangles: true,
+        group: Group::Content,
+        scope: Scope::Meshes,
         ..OPTION
+    },
+    BuildOption {
+        key: "terrain",
+        default: "false",
+        value_name: "BOOL",
+        help: "Bake a grid of heights as a height field (.hullfield): greyscale PNG, ESRI ASCII, raw f32",
+        section: Section::Terrain,
+        group: Group::Content,
+        scope: Scope::All,
+        ..OPTION
+    },
+    BuildOption {
+        key: "spacing",
+        syntax: SpacingOrNone,
+        value_name: "X[,Y]",
+        help: "Distance between vertices; PNG and raw files require it",
+        ..TERRAIN
+    },
+    BuildOption {
+        key: "height_scale",
+        syntax: FiniteOrNone,
+        value_name: "S",
+        help: "Height of white above black, which PNG requires, or a factor",
+        ..TERRAIN
+    },
+    BuildOption {
+        key: "height_offset",
+        syntax: Finite,
+        default: "0",
+        value_name: "O",
+        help: "Height of a sample of 0",
+        ..TERRAIN
+    },
+    BuildOption {
+        key: "origin",
+        syntax: PairOrNone,
+        value_name: "X,Y",
+        help: "First vertex; default: stated in the file, or such that the field is centred at 0 0",
+        ..TERRAIN
+    },
+    BuildOption {
+        key: "hole",
+        syntax: HoleOrNone,
+        value_name: "V",
+        help: "Sample that means no ground, compared as samples are stored",
+        ..TERRAIN
+    },
+    BuildOption {
+        key: "hole_image",
+        syntax: NameOrNone,
+        value_name: "NAME",
+        help: "PNG beside the source in which black pixels are holes",
+        ..TERRAIN
+    },
+    BuildOption {
+        key: "rows",
+        syntax: CountOrNone { min: 2 },
+        value_name: "N",
+        help: "Number of rows of raw numbers; the first has the least y",
+        ..TERRAIN
+    },
+    BuildOption {
+        key: "columns",
+        syntax: CountOrNone { min: 2 },
+        value_name: "N",
+        help: "Number of columns of raw numbers",
+        ..TERRAIN
+    },
+    BuildOption {
+        key: "diagonal",
+        syntax: Words(&["rising", "falling"]),
+        default: "rising",
+        value_name: "rising|falling",
+        help: "Diagonal that divides each cell",
+        ..TERRAIN
     },
 ];
 
-pub const OPTION_COUNT: usize = 22;
+pub const OPTION_COUNT: usize = 32;
 
 const OPTION: BuildOption = BuildOption {
     key: "",
@@ -328,10 +435,12 @@ const OPTION: BuildOption = BuildOption {
     section: Section::Shape,
     is_advanced: false,
     group: Group::Single,
-    is_of_parts: false,
-    is_of_triangles: false,
+    scope: Scope::Hulls,
     record: Record::IfChanged,
 };
+
+const TERRAIN: BuildOption =
+    BuildOption { default: "none", section: Section::Terrain, scope: Scope::Terrains, ..OPTION };
 
 pub fn position(key: &str) -> Option<usize> {
     OPTIONS.iter().position(|option| option.key == key)

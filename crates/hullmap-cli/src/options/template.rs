@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use super::table::{BuildOption, Section};
+use super::table::{BuildOption, Scope, Section};
 use super::value::Syntax;
 
 const HEAD: &str = "\
@@ -31,15 +31,32 @@ const RULES: &str = r#"
 # split = "object"
 #
 # [[rule]]
+# files = "levels/**"
+# keep_triangles = true
+#
+# [[rule]]
+# files = "ground/*.png"
+# terrain = true
+#
+# [[rule]]
 # files = "lods/**"
 # skip = true
 "#;
 
+const TERRAIN: &str = "
+# Options of terrains: grids of heights that a rule chooses with terrain = true. Rules override them.
+
+[terrain]
+
+";
+
 pub fn template() -> String {
     let mut text = HEAD.to_owned();
     for section in Section::ALL {
-        let _ = writeln!(text, "\n# {}", section.heading());
-        for option in section.options() {
+        let heading = if section == Section::Terrain { TERRAIN } else { &format!("\n# {}\n", section.heading()) };
+        text += heading;
+        let is_shown = |option: &&BuildOption| section != Section::Terrain || option.scope == Scope::Terrains;
+        for option in section.options().filter(is_shown) {
             let _ = writeln!(text, "# {}.\n# {} = {}", option.help, option.key, toml_value(option));
         }
     }

@@ -1,6 +1,6 @@
 //! Freshness: whether a pack is what a bake would write, judged by its bytes, never by time stamps.
 //!
-//! A pack or triangle mesh is fresh if its header holds this format version and the hash of the
+//! A file is fresh if its header holds this format version and the hash of the
 //! source's bytes; if it records the options and the source's path; and if it opens, which checks a
 //! checksum over every byte. A stale header is detected after 64 bytes; checking a fresh pack costs
 //! less than hashing its source.
@@ -8,11 +8,12 @@
 use std::io::{self, Read};
 use std::path::Path;
 
+use hullmap::Asset;
 use hullmap_format::header::{HEADER_LEN, Header, options_hash};
 use hullmap_import::open_regular;
 
 use crate::jobs::Job;
-use crate::open::{BakedFile, open_baked};
+use crate::open::open_asset;
 use crate::options::BuildOptions;
 use crate::options::removed::instead_of_record;
 
@@ -28,7 +29,7 @@ pub struct Expected<'a> {
 
 #[derive(Debug)]
 pub enum Found {
-    Fresh(BakedFile),
+    Fresh(Asset),
     Stale(String),
     Missing,
 }
@@ -52,7 +53,7 @@ pub fn judge(path: &Path, expected: &Expected) -> Found {
         return Found::Stale(SOURCE_CHANGED.to_owned());
     }
     // The hash of the options of a pack with warnings covers them too, so the pack has to be read.
-    match open_baked(path) {
+    match open_asset(path) {
         Err(_) if source_changed => Found::Stale(SOURCE_CHANGED.to_owned()),
         Err(failure) => {
             // The message starts with the pack's path, which the row shows already.

@@ -7,24 +7,28 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::time::Instant;
 
+use hullmap::Asset;
+use hullmap::height_field::Layout;
+use hullmap_bake::height_field::{FieldCounts, HeightGrid, bake_height_field, write_height_field};
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{PointSet, SourceRecord};
+use hullmap_format::header::FileKind;
 
 use super::cache::{Cache, Entry};
 use super::freshness::{Expected, Found, judge};
-use super::rows::{MAX_OBJECTS, Origin, Row, Status};
+use super::rows::{FieldSummary, MAX_OBJECTS, Origin, Row, Status};
 use crate::args::verify::DEFAULT_DIRECTIONS;
 use crate::baker::BakedPack;
+use crate::content::{Content, Terrain, verify};
 use crate::jobs::Job;
 use crate::jobs::key::{KeyInputs, check_planned, read};
-use crate::open::{BakedFile, open_baked};
+use crate::open::{kept_warnings, open_asset};
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, through_link, write_beside};
-use crate::triangle_mesh::{MeshSummary, adapted, bake_triangles};
-use hullmap_import::{self as import, Imported, Limits, SourceFile};
-use hullmap_verify::pack::{Reference, verify_hulls};
-use hullmap_verify::triangle_mesh::{SourceTriangles, verify_mesh};
+use crate::triangle_mesh::{MeshSummary, bake_triangles};
+use hullmap_import::{Limits, SourceFile};
+use hullmap_verify::height_field::SourceHeights;
 
 pub type Baker = dyn Fn(&[PointSet], &BuildOptions, &SourceRecord, Stage) -> Result<BakedPack, String> + Sync;
 
@@ -105,7 +109,7 @@ impl Build<'_> {
                 let kept = std::mem::take(&mut row.warnings);
                 let imported = self.import(job, row, &source)?;
                 row.warnings = kept;
-                verify_pack(&job.output, &imported).map_err(|failure| {
+                verify_file(&job.output, &imported).map_err(|failure| {
                     row.is_internal = true;
                     Failure { message: format!("{failure}; bake it again with --force"), ..failure }
                 })?;
@@ -147,7 +151,7 @@ impl Build<'_> {
         stage.reach(BAKED);
         let file = write_beside(&job.output, &bytes).map_err(cannot_write)?;
         if self.verify {
-            verify_pack(file.path(), &imported).inspect_err(|_| row.is_internal = true)?;
+            verify_file(file.path(), &imported).inspect_err(|_| row.is_internal = true)?;
         }
         put_in_place(file, &job.output).map_err(cannot_write)?;
         row.origin = Some(Origin::Local);
@@ -183,12 +187,11 @@ impl Build<'_> {
         if self.verify {
             let mut own = Row::new(row.source.clone(), String::new(), Status::Failed);
             let imported = self.import(job, &mut own, source)?;
-            if let Err(failure) = verify_pack(file.path(), &imported) {
+            if let Err(failure) = verify_file(file.path(), &imported) {
                 return rejected(&failure);
             }
         }
         fill_from_file(&found, row);
-        row.warnings = found.kept_warnings();
         put_in_place(file, &job.output).map_err(cannot_write)?;
         row.origin = Some(Origin::Cache);
         Ok(Cached::Taken)
@@ -197,22 +200,33 @@ impl Build<'_> {
     fn bytes(
         &self,
         job: &Job,
-        imported: &Imported,
+        content: &Content,
         record: &SourceRecord,
         row: &mut Row,
         stage: Stage,
     ) -> Result<Vec<u8>, String> {
-        let (bytes, notes, warnings) = if job.options.keeps_triangles() {
-            let mesh = bake_triangles(imported, record)?;
-            row.triangle_mesh = Some(mesh.summary);
-            (mesh.bytes, mesh.notes, mesh.warnings)
-        } else {
-            let pack = (self.baker)(&imported.point_sets, &job.options, record, stage.from_to(READ, BAKED))?;
-            row.hulls = Some(pack.ranks.len());
-            row.vertices_hull = Some(pack.vertex_count);
-            row.ranks = Some(pack.ranks);
-            row.objects = Some(pack.objects.into_iter().take(MAX_OBJECTS).collect());
-            (pack.bytes, pack.notes, pack.warnings)
+        let (bytes, notes, warnings) = match content {
+            Content::Terrain(Terrain { source: SourceHeights { layout, heights, holes }, .. }) => {
+                let grid = HeightGrid { layout: *layout, heights, holes, materials: &[] };
+                let baked = bake_height_field(&grid).map_err(|error| error.to_string())?;
+                let FieldCounts { columns, rows, holes, .. } = baked.counts();
+                row.height_field = Some(FieldSummary { columns, rows, holes });
+                let bytes = write_height_field(baked, record).map_err(|error| error.to_string())?;
+                (bytes, Vec::new(), record.warnings.clone())
+            }
+            Content::Mesh(mesh) if job.options.file_kind() == FileKind::TriangleMesh => {
+                let mesh = bake_triangles(mesh, record)?;
+                row.triangle_mesh = Some(mesh.summary);
+                (mesh.bytes, mesh.notes, mesh.warnings)
+            }
+            Content::Mesh(mesh) => {
+                let pack = (self.baker)(&mesh.point_sets, &job.options, record, stage.from_to(READ, BAKED))?;
+                row.hulls = Some(pack.ranks.len());
+                row.vertices_hull = Some(pack.vertex_count);
+                row.ranks = Some(pack.ranks);
+                row.objects = Some(pack.objects.into_iter().take(MAX_OBJECTS).collect());
+                (pack.bytes, pack.notes, pack.warnings)
+            }
         };
         row.bytes = Some(bytes.len() as u64);
         row.notes.extend(notes);
@@ -237,7 +251,6 @@ impl Build<'_> {
         let (status, reason) = match found {
             Found::Fresh(pack) => {
                 fill_from_file(&pack, row);
-                row.warnings = pack.kept_warnings();
                 return Ok(Some(Status::Fresh));
             }
             Found::Stale(reason) => (Status::Stale, reason),
@@ -251,24 +264,19 @@ impl Build<'_> {
         job.recorded_path(self.project).map_err(|error| cannot_place(job, &error))
     }
 
-    fn import(&self, job: &Job, row: &mut Row, source: &SourceFile) -> Result<Imported, Failure> {
-        let stem = job.source.file_stem().unwrap_or_default().to_string_lossy();
-        let mut imported = import::import(&row.source, &stem, &job.source, source, &job.options.import(), &self.limits)
-            .map_err(|error| Failure::rejected(error.to_string()))?;
-        // For the mass of the mesh, and for its parts.
-        imported.give_triangles();
-        row.vertices_in = Some(imported.point_count());
-        row.vertices_source = Some(imported.vertex_count);
-        row.vertices_unreferenced = Some(imported.unreferenced_count);
-        row.vertices_duplicate = Some(imported.duplicate_count);
-        row.notes = std::mem::take(&mut imported.notes);
-        row.warnings = std::mem::take(&mut imported.warnings);
-        if job.options.keeps_triangles() {
-            for remark in row.notes.iter_mut().chain(&mut row.warnings) {
-                *remark = adapted(remark);
+    fn import(&self, job: &Job, row: &mut Row, source: &SourceFile) -> Result<Content, Failure> {
+        let content = Content::import(&job.source, source, &job.options, &self.limits)?;
+        match &content {
+            Content::Mesh(mesh) => {
+                row.vertices_in = Some(mesh.point_count());
+                row.vertices_source = Some(mesh.vertex_count);
+                row.vertices_unreferenced = Some(mesh.unreferenced_count);
+                row.vertices_duplicate = Some(mesh.duplicate_count);
             }
+            Content::Terrain(terrain) => row.vertices_in = Some(terrain.source.heights.len()),
         }
-        Ok(imported)
+        [row.notes, row.warnings] = content.remarks().map(<[String]>::to_vec);
+        Ok(content)
     }
 }
 
@@ -285,40 +293,26 @@ fn cannot_place(job: &Job, error: &std::io::Error) -> Failure {
     Failure::usage(format!("{source}: cannot determine its path relative to {output}: {error}; check both folders"))
 }
 
-fn fill_from_file(file: &BakedFile, row: &mut Row) {
-    let pack = match file {
-        BakedFile::Pack(pack) => pack,
-        BakedFile::TriangleMesh(mesh) => {
-            row.triangle_mesh.get_or_insert_with(|| MeshSummary::of_file(mesh));
-            row.bytes = Some(mesh.bytes().len() as u64);
-            return;
+fn fill_from_file(asset: &Asset, row: &mut Row) {
+    match asset {
+        Asset::Pack(pack) => {
+            row.hulls = Some(pack.hull_count());
+            row.vertices_in = Some(pack.hulls().map(|hull| hull.source_point_count() as usize).sum());
+            row.vertices_hull = Some(pack.hulls().map(|hull| hull.vertex_count()).sum());
+            row.ranks = Some(pack.hulls().map(|hull| hull.rank()).collect());
         }
-    };
-    row.hulls = Some(pack.hull_count());
-    row.vertices_in = Some(pack.hulls().map(|hull| hull.source_point_count() as usize).sum());
-    row.vertices_hull = Some(pack.hulls().map(|hull| hull.vertex_count()).sum());
-    row.ranks = Some(pack.hulls().map(|hull| hull.rank()).collect());
-    row.bytes = Some(pack.byte_len() as u64);
+        Asset::TriangleMesh(mesh) => _ = row.triangle_mesh.get_or_insert_with(|| MeshSummary::of_file(mesh)),
+        Asset::HeightField(field) => {
+            let Layout { columns, rows, .. } = *field.layout();
+            row.height_field = Some(FieldSummary { columns, rows, holes: field.hole_count() });
+        }
+    }
+    row.bytes = Some(asset.bytes().len() as u64);
+    row.warnings = kept_warnings(asset);
 }
 
-/// Verifies a pack or a triangle mesh as `bake verify` does with default arguments.
-fn verify_pack(path: &Path, imported: &Imported) -> Result<(), Failure> {
-    let pack = match open_baked(path)? {
-        BakedFile::Pack(pack) => pack,
-        BakedFile::TriangleMesh(mesh) => {
-            let source = SourceTriangles::new(&imported.point_sets, &imported.faces, &imported.materials);
-            let source = source.map_err(Failure::rejected)?;
-            return match verify_mesh(&mesh, Some(&source), DEFAULT_DIRECTIONS, 0).verdict() {
-                Some(problems) => Err(Failure::rejected(format!("verification failed: {problems}"))),
-                None => Ok(()),
-            };
-        }
-    };
-    let cover = BuildOptions::recorded_cover(pack.options());
-    let results = verify_hulls(&pack, Reference::Source(&imported.point_sets), cover.as_ref(), DEFAULT_DIRECTIONS, 0)
-        .map_err(Failure::rejected)?;
-    match results.into_iter().find(|result| !result.pass) {
-        Some(result) => Err(Failure::rejected(format!("verification failed: {}", result.verdict()))),
-        None => Ok(()),
-    }
+/// Verifies a file as `bake verify` does with default arguments.
+fn verify_file(path: &Path, content: &Content) -> Result<(), Failure> {
+    let verified = verify(&open_asset(path)?, Some(content), DEFAULT_DIRECTIONS, 0).map_err(Failure::rejected)?;
+    verified.verdict().map_or(Ok(()), |problems| Err(Failure::rejected(format!("verification failed: {problems}"))))
 }

@@ -76,6 +76,7 @@ pub struct Row {
     /// them; `None` for a pack that was not baked now.
     pub objects: Option<Vec<DecomposedObject>>,
     pub triangle_mesh: Option<MeshSummary>,
+    pub height_field: Option<FieldSummary>,
     pub bytes: Option<u64>,
     pub origin: Option<Origin>,
     /// Time from start to end in milliseconds. A thread that waits for others works on another file
@@ -90,7 +91,25 @@ pub struct Row {
     pub is_internal: bool,
 }
 
+/// The contents of a height field. Field names are the JSON's.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct FieldSummary {
+    pub columns: usize,
+    pub rows: usize,
+    pub holes: usize,
+}
+
 impl Row {
+    /// Number of triangles and vertices of a triangle mesh or height field.
+    fn surface(&self) -> Option<[usize; 2]> {
+        let of_field = |field: &FieldSummary| {
+            let cells = field.columns.saturating_sub(1) * field.rows.saturating_sub(1);
+            [2 * cells.saturating_sub(field.holes), field.columns * field.rows]
+        };
+        let of_mesh = self.triangle_mesh.as_ref().map(|mesh| [mesh.triangles, mesh.vertices]);
+        of_mesh.or(self.height_field.as_ref().map(of_field))
+    }
+
     pub fn new(source: String, output: String, status: Status) -> Self {
         Self {
             source,
@@ -107,6 +126,7 @@ impl Row {
             ranks: None,
             objects: None,
             triangle_mesh: None,
+            height_field: None,
             bytes: None,
             origin: None,
             millis: 0.0,
@@ -140,7 +160,7 @@ pub fn write_table(rows: &[Row], lists_all: bool, is_check: bool, out: &mut Outp
 }
 
 fn build_table(rows: &[&Row]) -> Table {
-    let has_triangles = rows.iter().any(|row| row.triangle_mesh.is_some());
+    let has_triangles = rows.iter().any(|row| row.surface().is_some());
     let triangles = has_triangles.then_some(("triangles", Align::Right));
     let columns: Vec<(&str, Align)> =
         [("source", Align::Left), ("pack", Align::Left), ("hulls", Align::Right), ("points", Align::Right)]
@@ -152,17 +172,17 @@ fn build_table(rows: &[&Row]) -> Table {
     let mut table = Table::new(&columns);
     let number = |value: Option<usize>| or_dash(value, |value| grouped(value as u64));
     for row in rows {
-        let mesh = row.triangle_mesh.as_ref();
+        let [triangles, vertices] = row.surface().map_or([None; 2], |counts| counts.map(Some));
         let mut cells = vec![
             row.source.clone(),
             row.output.clone(),
             number(row.hulls),
             number(row.vertices_in),
-            number(row.vertices_hull.or(mesh.map(|mesh| mesh.vertices))),
+            number(row.vertices_hull.or(vertices)),
             or_dash(row.ranks.as_deref(), ranks),
         ];
         if has_triangles {
-            cells.push(number(mesh.map(|mesh| mesh.triangles)));
+            cells.push(number(triangles));
         }
         cells.extend([or_dash(row.bytes, grouped), format!("{:.1}", row.millis), row.status.word().to_owned()]);
         table.push(cells);
@@ -205,7 +225,7 @@ fn summary(rows: &[Row], is_check: bool) -> String {
     let bytes: u64 = rows.iter().filter_map(|row| row.bytes).sum();
     let hulls: usize = rows.iter().filter_map(|row| row.hulls).sum();
     let noun = if hulls == 1 { "hull" } else { "hulls" };
-    let triangles: usize = rows.iter().filter_map(|row| Some(row.triangle_mesh.as_ref()?.triangles)).sum();
+    let triangles: usize = rows.iter().filter_map(Row::surface).map(|[triangles, _]| triangles).sum();
     let contents = match (hulls, triangles) {
         (_, 0) => format!("{} {noun}", grouped(hulls as u64)),
         (0, _) => format!("{} triangles", grouped(triangles as u64)),

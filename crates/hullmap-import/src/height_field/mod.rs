@@ -23,14 +23,23 @@ pub use hole::Hole;
 
 use crate::fault::{Fault, ImportError, LineFault};
 use crate::limits::Limits;
-use crate::read::{ReadError, SourceFile, read_alone};
+use crate::read::{ReadError, SourceFile, read_beside};
 
-/// Reads a file of heights, of any format.
+/// File name extensions of grids of heights, in lower case. Other files may be such a grid, and
+/// files with these extensions may be something else.
+pub const EXTENSIONS: [&str; 3] = ["asc", "png", "f32"];
+
+/// Whether the extension of a file is one of [`EXTENSIONS`], in any case.
+pub fn is_grid(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| EXTENSIONS.iter().any(|own| extension.eq_ignore_ascii_case(own)))
+}
+
+/// Reads a file of heights, of any format, and the image of its holes, if there is one beside it.
 ///
 /// # Errors
-/// The file cannot be read, is not a regular file, or is larger than the limit.
-pub fn read_heights(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, ReadError> {
-    read_alone(file, path, limits)
+/// A file cannot be read or is not a regular file, or they are larger than the limit.
+pub fn read_heights(file: &str, path: &Path, holes: Option<&str>, limits: &Limits) -> Result<SourceFile, ReadError> {
+    read_beside(file, path, limits, "image of holes", |_| Ok(holes.map(str::to_owned).into_iter().collect()))
 }
 
 /// Heights from the bytes of a file, whose name in messages is `file`.
@@ -62,7 +71,7 @@ pub fn import_heights(file: &str, bytes: &[u8], options: &HeightOptions) -> Resu
         esri::heights(bytes, options)
     } else {
         let text = "expected a greyscale PNG, an ESRI ASCII grid that starts with `ncols`, or raw numbers of 32 bits, \
-                    whose numbers of rows and columns are given (--rows, --columns)";
+                    whose numbers of rows and columns are given (rows, columns)";
         Err(Fault::format(text).of_file())
     };
     heights.and_then(finite).map_err(|fault| in_file(file, fault))

@@ -74,9 +74,8 @@ from ._shapes import (
     Sphere,
     Triangle,
     from_bytes,
-    open,
 )
-from ._sheets import HeightField, TriangleMesh
+from ._sheets import HeightField, TriangleMesh, open
 
 __all__ = [
     "ArrayError",

@@ -873,20 +873,6 @@ def write_file(path: FilePath, data: bytes) -> Path:
     return target
 
 
-def open(path: FilePath, *, mmap: bool = True) -> Pack:
-    """Opens a pack, and checks all of it: a file that opens cannot crash a query, whoever wrote it.
-
-    The file is mapped: processes share its memory, and nothing is copied. As with ``numpy.memmap``,
-    no process may write to the file or truncate it while the pack is in use. To replace it, rename
-    another file to its place, as `Pack.save` and the command do. If you cannot promise that, pass
-    ``mmap=False``: the file is copied into memory.
-
-    Raises `InvalidPack` if the file is not a pack or is damaged, and an `OSError` if it cannot be
-    read.
-    """
-    return Pack(_hullmap.Pack.open(os.fsdecode(path), mmap))
-
-
 def from_bytes(data: Union[bytes, bytearray, memoryview]) -> Pack:
     """A pack from the bytes of a file, which are copied and checked.
 

@@ -1,7 +1,8 @@
-"""Static shapes of many triangles: triangle meshes and height fields."""
+"""Static shapes of many triangles: triangle meshes and height fields; and files of any kind."""
 
 from __future__ import annotations
 
+import io
 import os
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple, Type, TypeVar, Union
@@ -12,7 +13,7 @@ import numpy.typing as npt
 from . import _hullmap
 from ._arrays import Counts, Floats, floats, indices
 from ._hullmap import ArrayError
-from ._shapes import FilePath, Shape, write_file
+from ._shapes import FilePath, Pack, Shape, write_file
 
 _Own = TypeVar("_Own", bound="_Sheet")
 
@@ -228,8 +229,8 @@ class HeightField(_Sheet):
 
     @classmethod
     def open(cls, path: FilePath) -> HeightField:
-        """Opens a ``.hullfield`` file, which ``bake build --height-field`` writes. The file is copied into
-        memory, and all of it is checked.
+        """Opens a ``.hullfield`` file, which ``bake terrain`` writes. The file is copied into memory, and all
+        of it is checked.
 
         Raises `InvalidPack` if the file is no height field or is damaged, and an `OSError` if it cannot be
         read.
@@ -375,3 +376,33 @@ def _materials(materials: Optional[npt.ArrayLike], what: str, axes: int = 1) -> 
     if numbers.size and not 0 <= int(numbers.min()) <= int(numbers.max()) <= 65535:
         raise ArrayError("materials: a number must be from 0 to 65535: number the materials from 0")
     return np.ascontiguousarray(numbers.ravel(), dtype=np.uint16)
+
+
+_MAGIC_LENGTH = 8
+
+_SHEETS: Dict[bytes, Type[_Sheet]] = {b"hullmsh\n": TriangleMesh, b"hullfld\n": HeightField}
+"""The first bytes of files that are no packs."""
+
+
+def open(path: FilePath, *, mmap: bool = True) -> Any:
+    """Opens a baked file: a `Pack`, a `TriangleMesh` or a `HeightField`, whichever it holds. All of it is
+    checked: a file that opens cannot crash a query, whoever wrote it.
+
+    A pack is mapped: processes share its memory, and nothing is copied. As with ``numpy.memmap``,
+    no process may write to the file or truncate it while the pack is in use. To replace it, rename
+    another file to its place, as `Pack.save` and the command do. If you cannot promise that, pass
+    ``mmap=False``: the file is copied into memory. Other files are always copied.
+
+    Raises `InvalidPack` if the file is not a baked file or is damaged, and an `OSError` if it cannot be
+    read.
+    """
+    name = os.fsdecode(path)
+    # The native module has the errors of files that cannot be read. A pipe can be read once only.
+    start = b""
+    if os.path.isfile(name) and os.access(name, os.R_OK):
+        with io.open(name, "rb") as file:
+            start = file.read(_MAGIC_LENGTH)
+    if start in _SHEETS:
+        sheet: Any = _SHEETS[start]
+        return sheet.open(name)
+    return Pack(_hullmap.Pack.open(name, mmap))

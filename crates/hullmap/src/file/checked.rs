@@ -1,4 +1,4 @@
-//! Files that are only opened with all checks: triangle meshes and height fields.
+//! Files that are opened with all checks.
 
 use std::path::Path;
 
@@ -27,7 +27,7 @@ pub(crate) trait Checked: Sized {
 
 /// Reads a file into memory of this process and checks all of it.
 pub(crate) fn open<F: Checked>(path: &Path) -> Result<F, OpenError> {
-    let (header, bytes) = read(path, F::KIND)?;
+    let (header, bytes) = read(path, Some(F::KIND))?;
     F::check(header, bytes).map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
 }
 

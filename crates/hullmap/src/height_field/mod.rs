@@ -1,6 +1,6 @@
 //! Static height fields: ground whose heights are known on a regular grid.
 //!
-//! `bake build --height-field` and `hullmap_bake::height_field` bake the file. The queries in
+//! `bake terrain` and `hullmap_bake::height_field` bake the file. The queries in
 //! [`compound`](crate::compound) take a [`HeightField`] like a
 //! [`TriangleMesh`](crate::TriangleMesh): its parts are its triangles, two for each cell that is
 //! not a hole. A tree of height ranges finds them. Neighbours and classes of edges follow from the
@@ -287,9 +287,14 @@ impl HeightField {
         std::str::from_utf8(self.sections().source_path).unwrap_or_default()
     }
 
-    /// The options that shaped the bake, then a line for each warning.
+    /// The options that shaped the bake, in the form in which `bake` records them: one line.
     pub fn options(&self) -> &str {
-        self.sections().options_text()
+        self.sections().options_text().split('\n').next().unwrap_or_default()
+    }
+
+    /// Warnings of the bake, each with its remedy.
+    pub fn warnings(&self) -> impl Iterator<Item = &str> {
+        self.sections().options_text().split('\n').skip(1)
     }
 
     /// Header of the file.

@@ -12,16 +12,6 @@ use crate::vector::unit;
 
 impl<'a> Hull<'a> {
     /// Number of faces: all faces of a solid, both sides of a polygon, 0 for a segment or a point.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.face_count(), 6);
-    /// # }
-    /// ```
     pub fn face_count(&self) -> usize {
         self.face_starts.len()
     }
@@ -49,17 +39,6 @@ impl<'a> Hull<'a> {
 
     /// Indices of the vertices that share an edge with vertex `index`, ascending. Empty if there is
     /// no such vertex.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// // One neighbour along each axis.
-    /// assert_eq!(cube.neighbours(0).collect::<Vec<_>>(), [1, 2, 4]);
-    /// # }
-    /// ```
     pub fn neighbours(&self, index: u32) -> impl ExactSizeIterator<Item = u32> + 'a {
         self.neighbour_run(index).iter().map(|v| v.to_native())
     }
@@ -78,17 +57,6 @@ impl<'a> Hull<'a> {
 
     /// Vertex indices of face `face` in counter-clockwise order, seen from outside. Empty if there
     /// is no such face.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.face(0).len(), 4);
-    /// assert_eq!(cube.face(6).len(), 0);
-    /// # }
-    /// ```
     pub fn face(&self, face: u32) -> impl ExactSizeIterator<Item = u32> + 'a {
         self.face_run(face).iter().map(|v| v.to_native())
     }
@@ -104,16 +72,6 @@ impl<'a> Hull<'a> {
 
     /// Indices of the faces that meet at vertex `index`, each once. There are as many as the vertex
     /// has neighbours. Empty below rank 2, and if there is no such vertex.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.faces_at(0).len(), 3);
-    /// # }
-    /// ```
     pub fn faces_at(&self, index: u32) -> impl ExactSizeIterator<Item = u32> + 'a {
         let range = if self.record.rank < 2 { 0..0 } else { self.neighbour_range(index) };
         self.neighbour_faces.get(range).unwrap_or_default().iter().map(|f| f.to_native())
@@ -134,19 +92,6 @@ impl<'a> Hull<'a> {
     /// # Complexity
     /// O(1). Faces are planar, so three corners a third of the way around from each other span the
     /// plane well.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// use hullmap::glam::DVec3;
-    ///
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// let top = cube.face_towards(DVec3::Z).expect("a solid has faces");
-    /// assert_eq!(cube.face_normal(top), Some(DVec3::Z));
-    /// # }
-    /// ```
     pub fn face_normal(&self, face: u32) -> Option<DVec3> {
         if let Some(table) = self.facets {
             return table.exact.get(face as usize).copied();
@@ -172,19 +117,6 @@ impl<'a> Hull<'a> {
     /// # Complexity
     /// One support query, and one normal for each face at its vertex. A vertex has six faces on
     /// average; the tip of a cone has one for each neighbour.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// use hullmap::glam::DVec3;
-    ///
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// let face = cube.face_towards(DVec3::new(0.1, -5.0, 0.2)).expect("a solid has faces");
-    /// assert_eq!(cube.face_normal(face), Some(DVec3::NEG_Y));
-    /// # }
-    /// ```
     pub fn face_towards(&self, dir: DVec3) -> Option<u32> {
         let dir = unit(dir)?;
         let vertex = SupportMap::support_point(self, dir).feature;

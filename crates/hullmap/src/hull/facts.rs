@@ -7,92 +7,31 @@ use super::{Hull, vector};
 
 impl Hull<'_> {
     /// Dimension of the hull: 3 for a solid, 2 for a polygon, 1 for a segment, 0 for a point.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.rank(), 3);
-    /// # }
-    /// ```
     pub fn rank(&self) -> u32 {
         self.record.rank.to_native()
     }
 
     /// Number of source points that the hull was built from.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let rock = pack.hull_named("rock").expect("the pack has a rock");
-    /// assert_eq!(rock.source_point_count(), 40);
-    /// assert!(rock.vertex_count() <= 40);
-    /// # }
-    /// ```
     pub fn source_point_count(&self) -> u32 {
         self.record.source_points.to_native()
     }
 
     /// Maximum distance between two vertices, in source units.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert!((cube.diameter() - 12_f64.sqrt()).abs() < 1e-12);
-    /// # }
-    /// ```
     pub fn diameter(&self) -> f64 {
         self.record.diameter.to_native()
     }
 
     /// Volume; 0 below rank 3.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert!((cube.volume() - 8.0).abs() < 1e-12);
-    /// # }
-    /// ```
     pub fn volume(&self) -> f64 {
         self.record.volume.to_native()
     }
 
     /// Surface area: both sides of a polygon, 0 below rank 2.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert!((cube.surface_area() - 24.0).abs() < 1e-12);
-    /// # }
-    /// ```
     pub fn surface_area(&self) -> f64 {
         self.record.surface_area.to_native()
     }
 
     /// Centre of mass at uniform density, in the hull's local frame.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert!(cube.centroid().length() < 1e-12);
-    /// # }
-    /// ```
     pub fn centroid(&self) -> DVec3 {
         vector(&self.record.centroid)
     }
@@ -101,66 +40,22 @@ impl Hull<'_> {
     /// xy.
     ///
     /// For the inertia tensor, see [`mass_properties`](Self::mass_properties).
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// let [xx, .., xy] = cube.second_moments();
-    /// // The mean of x² over −1 to 1.
-    /// assert!((xx - 1.0 / 3.0).abs() < 1e-12 && xy.abs() < 1e-12);
-    /// # }
-    /// ```
     pub fn second_moments(&self) -> [f64; 6] {
         self.record.second_moments.map(|m| m.to_native())
     }
 
     /// Minimum and maximum coordinates of the vertices.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// use hullmap::glam::Vec3;
-    ///
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.bounds(), [Vec3::NEG_ONE, Vec3::ONE]);
-    /// # }
-    /// ```
     pub fn bounds(&self) -> [Vec3; 2] {
         [&self.record.bounds_min, &self.record.bounds_max].map(|b| Vec3::from_array(b.map(|c| c.to_native())))
     }
 
     /// Maximum distance of a source point from the hull, divided by the diameter. At most 1e-7.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert!(cube.containment_error() <= 1e-7);
-    /// # }
-    /// ```
     pub fn containment_error(&self) -> f64 {
         self.record.containment_error.to_native()
     }
 
     /// Maximum distance by which the hull reaches beyond the convex hull of its source points, in
     /// source units. 0 for an exact hull, positive for a simplified one.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.outer_error(), 0.0);
-    /// # }
-    /// ```
     pub fn outer_error(&self) -> f64 {
         self.record.outer_error.to_native()
     }
@@ -168,47 +63,17 @@ impl Hull<'_> {
     /// Origin of the hull's frame in the frame of the source file. Add it to a point of the hull to
     /// get the source's coordinates. Zero unless the bake recentred; the same for all hulls of a
     /// pack.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.origin(), hullmap::glam::DVec3::ZERO);
-    /// # }
-    /// ```
     pub fn origin(&self) -> DVec3 {
         vector(&self.record.origin)
     }
 
     /// Index of the hull among the convex parts of its source object, counted from 0. Also 0 for a
     /// hull that is not a part. The parts of an object follow one another.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.part(), 0);
-    /// # }
-    /// ```
     pub fn part(&self) -> u32 {
         self.record.part.to_native()
     }
 
     /// Number of convex parts of the hull's source object; 0 for a hull that is not a part.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.part_count(), 0);
-    /// # }
-    /// ```
     pub fn part_count(&self) -> u32 {
         self.record.part_count.to_native()
     }
@@ -216,64 +81,24 @@ impl Hull<'_> {
     /// Kind of solid that this part was measured against. `None` if it was not measured: then
     /// [`uncovered`](Self::uncovered) and [`protrusion`](Self::protrusion) are unknown. Hulls that
     /// are not parts, and parts without their mesh, are not measured.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.solid(), None);
-    /// # }
-    /// ```
     pub fn solid(&self) -> Option<SolidKind> {
         SolidKind::from_code(self.record.solid.to_native())
     }
 
     /// Upper bound on how far a point of the source object's surface lies outside all of its convex
     /// parts, in source units. The same for all parts of an object; `None` if it was not measured.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.uncovered(), None);
-    /// # }
-    /// ```
     pub fn uncovered(&self) -> Option<f64> {
         self.solid().map(|_| self.record.uncovered.to_native())
     }
 
     /// Upper bound on how far a point of this convex part lies outside the solid of the source
     /// object, in source units; `None` if it was not measured.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.protrusion(), None);
-    /// # }
-    /// ```
     pub fn protrusion(&self) -> Option<f64> {
         self.solid().map(|_| self.record.protrusion.to_native())
     }
 
     /// The point of this convex part that protrudes most from the solid of the source object, as
     /// far as the bake found, in the hull's local frame; `None` if it was not measured.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.protrusion_at(), None);
-    /// # }
-    /// ```
     pub fn protrusion_at(&self) -> Option<DVec3> {
         self.solid().map(|_| vector(&self.record.protrusion_at))
     }
@@ -286,16 +111,6 @@ impl Hull<'_> {
     ///
     /// # Complexity
     /// O(1).
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.voids(), None);
-    /// # }
-    /// ```
     pub fn voids(&self) -> Option<Voids> {
         let voids = self.voids?;
         Some(Voids { share: f64::from(voids.share.to_native()), error: f64::from(voids.error.to_native()) })

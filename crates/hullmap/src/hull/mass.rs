@@ -19,11 +19,6 @@ pub enum MassSource {
 
 impl MassSource {
     /// The name: `hulls` or `mesh`.
-    ///
-    /// # Examples
-    /// ```
-    /// assert_eq!(hullmap::MassSource::Mesh.as_str(), "mesh");
-    /// ```
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Hulls => "hulls",
@@ -199,17 +194,6 @@ impl Hull<'_> {
     ///
     /// # Complexity
     /// O(1).
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// // This cube was baked from eight points.
-    /// assert_eq!(cube.mesh_mass_properties(1000.0), None);
-    /// # }
-    /// ```
     pub fn mesh_mass_properties(&self, density: f64) -> Option<MassProperties> {
         let mesh = self.mesh_mass?;
         let (volume, moments) = (mesh.volume.to_native(), mesh.second_moments.map(|m| m.to_native()));
@@ -228,16 +212,6 @@ impl Hull<'_> {
     ///
     /// The unit is the fifth power of a length. For another density, multiply by it; see
     /// [`mass_properties`](Self::mass_properties).
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert!((cube.inertia_tensor().x_axis.x - 8.0 * 8.0 / 12.0).abs() < 1e-12);
-    /// # }
-    /// ```
     pub fn inertia_tensor(&self) -> DMat3 {
         self.mass_properties(1.0).inertia
     }

@@ -119,16 +119,6 @@ impl<'a> Hull<'a> {
 
     /// Name of the hull: the name of the object in the source file, or the source's file name
     /// without its extension.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.name(), "cube");
-    /// # }
-    /// ```
     pub fn name(&self) -> &'a str {
         std::str::from_utf8(self.name).unwrap_or_default()
     }
@@ -141,49 +131,16 @@ impl<'a> Hull<'a> {
     /// them contact manifolds, come from up to 33 support queries in directions around the normal,
     /// as for user shapes: faces that are tilted by more than [`TILT`](crate::shapes::TILT) against
     /// the contact normal become edges or vertices.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert!(!cube.is_lean());
-    /// # }
-    /// ```
     pub fn is_lean(&self) -> bool {
         self.neighbour_starts.is_empty()
     }
 
     /// Number of vertices, at least 1.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.vertex_count(), 8);
-    /// # }
-    /// ```
     pub fn vertex_count(&self) -> usize {
         self.vertices.len()
     }
 
     /// Position of the vertex of index `index`; `None` if there is no such vertex.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// use hullmap::glam::Vec3;
-    ///
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.vertex(0), Some(Vec3::NEG_ONE));
-    /// assert_eq!(cube.vertex(8), None);
-    /// # }
-    /// ```
     pub fn vertex(&self, index: u32) -> Option<Vec3> {
         self.vertices.get(index as usize).map(|v| Vec3::from_array(v.map(|c| c.to_native())))
     }
@@ -196,16 +153,6 @@ impl<'a> Hull<'a> {
     }
 
     /// Positions of all vertices, in the order of their indices.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert!(cube.vertices().all(|vertex| vertex.abs() == hullmap::glam::Vec3::ONE));
-    /// # }
-    /// ```
     pub fn vertices(&self) -> impl ExactSizeIterator<Item = Vec3> + 'a {
         self.vertices.iter().map(|v| Vec3::from_array(v.map(|c| c.to_native())))
     }
@@ -214,32 +161,12 @@ impl<'a> Hull<'a> {
     ///
     /// `None` if there is no such vertex, and for a vertex that the bake created, in a simplified
     /// hull or where a convex part was cut off.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.source_vertex(7), Some(7));
-    /// # }
-    /// ```
     pub fn source_vertex(&self, index: u32) -> Option<u32> {
         self.source_vertices.get(index as usize).map(|v| v.to_native()).filter(|v| *v != NO_SOURCE_VERTEX)
     }
 
     /// Vertices of the outer hull: a coarse polytope of at most 64 vertices that contains the hull.
     /// Empty for a hull that has few vertices itself.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.outer_vertices().len(), 0);
-    /// # }
-    /// ```
     pub fn outer_vertices(&self) -> impl ExactSizeIterator<Item = Vec3> + 'a {
         self.outer_vertices.iter().map(|v| Vec3::from_array(v.map(|c| c.to_native())))
     }

@@ -100,18 +100,6 @@ impl Pack {
     ///
     /// # Complexity
     /// O(number of hulls).
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// use std::sync::Arc;
-    ///
-    /// let pack: Arc<hullmap::Pack> = Arc::new(pack());
-    /// let rock = pack.shared_hull_named("rock").expect("the pack has a rock");
-    /// assert_eq!(rock.index(), 0);
-    /// # }
-    /// ```
     pub fn shared_hull_named(self: &Arc<Self>, name: &str) -> Result<SharedHull, NoHullNamed> {
         let index = self.hulls().position(|hull| hull.name() == name);
         index.and_then(|index| self.shared_hull(index).ok()).ok_or_else(|| self.no_hull_named(name))
@@ -128,50 +116,17 @@ impl SharedHull {
     ///
     /// # Complexity
     /// O(1): two pointer dereferences.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() -> Result<(), hullmap::NoSuchHull> {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = std::sync::Arc::new(pack).shared_hull(1)?;
-    /// assert_eq!(cube.hull().vertex_count(), 8);
-    /// # Ok(())
-    /// # }
-    /// ```
     #[inline(always)]
     pub fn hull(&self) -> &Hull<'_> {
         self.cell.borrow_dependent()
     }
 
     /// The pack that the hull is from.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() -> Result<(), hullmap::NoSuchHull> {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = std::sync::Arc::new(pack).shared_hull(1)?;
-    /// let rock = cube.pack().shared_hull(0)?;
-    /// assert_eq!(rock.hull().name(), "rock");
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn pack(&self) -> &Arc<Pack> {
         self.cell.borrow_owner()
     }
 
     /// Index of the hull in its pack.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() -> Result<(), hullmap::NoSuchHull> {
-    /// # let pack: hullmap::Pack = pack();
-    /// assert_eq!(std::sync::Arc::new(pack).shared_hull(1)?.index(), 1);
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn index(&self) -> usize {
         self.index
     }

@@ -124,17 +124,6 @@ impl Hull<'_> {
 
     /// Vector instructions that queries on this hull use. By default, the best that the processor
     /// supports.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// let portable = cube.with_instructions(hullmap::Instructions::Portable).unwrap();
-    /// assert_eq!(portable.instructions(), hullmap::Instructions::Portable);
-    /// # }
-    /// ```
     pub fn instructions(&self) -> Instructions {
         self.index.dispatch.instructions()
     }
@@ -166,65 +155,21 @@ impl Hull<'_> {
     }
 
     /// Cost of [`support`](Self::support) in direction `dir`: nodes visited and dot products.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// use hullmap::glam::Vec3;
-    ///
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// let cost = cube.support_cost(Vec3::X);
-    /// assert!(cost.nodes <= cube.worst_cost().nodes && cost.dots <= cube.worst_cost().dots);
-    /// # }
-    /// ```
     pub fn support_cost(&self, dir: Vec3) -> Cost {
         self.index.cost(dir.to_array())
     }
 
     /// Maximum cost of [`support`](Self::support) over all directions. Opening a pack checks it.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// // Eight vertices fit into one block, so every direction costs the same.
-    /// assert_eq!(cube.worst_cost().dots, 8);
-    /// # }
-    /// ```
     pub fn worst_cost(&self) -> Cost {
         Cost { nodes: self.record.max_nodes.to_native(), dots: self.record.max_dots.to_native() }
     }
 
     /// Kind of the direction index that the hull was baked with.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// println!("{:?}", cube.index_kind());
-    /// # }
-    /// ```
     pub fn index_kind(&self) -> IndexKind {
         self.index.kind
     }
 
     /// Size of the direction index in the file, in bytes: words and candidate blocks.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert!(cube.index_byte_len() > 0);
-    /// # }
-    /// ```
     pub fn index_byte_len(&self) -> usize {
         size_of_val(self.index.slots) + size_of_val::<[ArchivedBlock]>(self.index.blocks)
     }

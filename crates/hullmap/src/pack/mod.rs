@@ -61,6 +61,7 @@ use hullmap_format::{
 };
 
 use crate::facets::table::FacetTable;
+use crate::file::checked::Checked;
 use crate::file::{self, Bytes, check_checksum, check_options};
 use crate::hull::Hull;
 pub use error::{InvalidPack, NoHullNamed, NoSuchHull, OpenError};
@@ -130,6 +131,19 @@ enum Checks {
     Structure,
     /// Also the checksum and all numbers.
     All,
+}
+
+impl Checked for Pack {
+    const KIND: FileKind = FileKind::Pack;
+
+    fn new(header: Header, bytes: Bytes) -> Result<Self, InvalidPack> {
+        Self::from_storage_bytes(header, bytes, Checks::All)
+    }
+
+    /// Opening a pack compares the checksum itself.
+    fn check(header: Header, bytes: Bytes) -> Result<Self, InvalidPack> {
+        Self::new(header, bytes)
+    }
 }
 
 fn check_contents(header: &Header, storage: &Storage) -> Result<(), InvalidPack> {
@@ -202,19 +216,6 @@ impl Pack {
     /// One read of the file, then O(number of hulls): the face tables of hulls of at most 32
     /// vertices take about 1 µs a vertex. They take at most 4 MiB and 40 ms: if they would take
     /// more, there are none.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// # let folder = tempfile::tempdir()?;
-    /// # let path = folder.path().join("rock.hullmap");
-    /// # std::fs::write(&path, rock_and_cube())?;
-    /// let pack = hullmap::Pack::open_skipping_contents(&path)?;
-    /// assert_eq!(pack.hull_count(), 2);
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn open_skipping_contents(path: impl AsRef<Path>) -> Result<Self, OpenError> {
         Self::copy(path.as_ref(), Checks::Structure)
     }
@@ -233,19 +234,6 @@ impl Pack {
     /// # Complexity
     /// One read of the file, then the face tables of small hulls, as in
     /// [`Pack::open_skipping_contents`].
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// # let folder = tempfile::tempdir()?;
-    /// # let path = folder.path().join("rock.hullmap");
-    /// # std::fs::write(&path, rock_and_cube())?;
-    /// let pack = hullmap::Pack::open_skipping_checks(&path)?;
-    /// assert_eq!(pack.hull_count(), 2);
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn open_skipping_checks(path: impl AsRef<Path>) -> Result<Self, OpenError> {
         Self::copy(path.as_ref(), Checks::Sections)
     }
@@ -253,7 +241,7 @@ impl Pack {
     /// Reads a file into memory of this process and checks it.
     fn copy(path: &Path, checks: Checks) -> Result<Self, OpenError> {
         let invalid = |source: InvalidPack| OpenError::Invalid { path: path.to_owned(), source };
-        let (header, bytes) = file::read(path, FileKind::Pack)?;
+        let (header, bytes) = file::read(path, Some(FileKind::Pack))?;
         Self::from_storage_bytes(header, bytes, checks).map_err(invalid)
     }
 
@@ -264,22 +252,6 @@ impl Pack {
     ///
     /// # Complexity
     /// One copy and one pass.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// use hullmap::{InvalidPack, Pack};
-    ///
-    /// let mut file: Vec<u8> = rock_and_cube();
-    /// assert_eq!(Pack::from_bytes(&file)?.hull_count(), 2);
-    ///
-    /// file[1000] ^= 1;
-    /// let error = Pack::from_bytes(&file).unwrap_err();
-    /// assert!(matches!(error, InvalidPack::Checksum { .. }));
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, InvalidPack> {
         Self::copy_bytes(bytes, Checks::All)
     }
@@ -293,16 +265,6 @@ impl Pack {
     /// # Complexity
     /// One copy, then O(number of hulls), as for
     /// [`open_skipping_contents`](Self::open_skipping_contents).
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() -> Result<(), hullmap::InvalidPack> {
-    /// let file: Vec<u8> = rock_and_cube();
-    /// assert_eq!(hullmap::Pack::from_bytes_skipping_contents(&file)?.hull_count(), 2);
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn from_bytes_skipping_contents(bytes: &[u8]) -> Result<Self, InvalidPack> {
         Self::copy_bytes(bytes, Checks::Structure)
     }
@@ -359,12 +321,6 @@ impl Pack {
     ///
     /// # Complexity
     /// O(number of hulls), as for [`open_skipping_contents`](Self::open_skipping_contents).
-    ///
-    /// # Examples
-    /// ```
-    /// let file: &'static [u8] = b"not a pack";
-    /// assert!(hullmap::Pack::from_static_skipping_contents(file).is_err());
-    /// ```
     pub fn from_static_skipping_contents(bytes: &'static [u8]) -> Result<Self, InvalidPack> {
         Self::from_storage_bytes(Header::read(bytes)?, Bytes::Static(bytes), Checks::Structure)
     }
@@ -404,105 +360,38 @@ impl Pack {
     ///
     /// # Complexity
     /// O(file), about ten times as long as opening it.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// let pack: hullmap::Pack = pack();
-    /// assert_eq!(pack.check_repeats(), Ok(()));
-    /// # }
-    /// ```
     pub fn check_repeats(&self) -> Result<(), InvalidPack> {
         Ok(repeats::repeats(self.storage.sections())?)
     }
 
     /// Header of the file, as it was when the pack was opened.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// let pack: hullmap::Pack = pack();
-    /// assert_eq!(pack.header().payload_len as usize, pack.byte_len() - 64);
-    /// # }
-    /// ```
     pub fn header(&self) -> &Header {
         &self.header
     }
 
     /// Length of the file in bytes.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() -> Result<(), hullmap::InvalidPack> {
-    /// let file: Vec<u8> = rock_and_cube();
-    /// assert_eq!(hullmap::Pack::from_bytes(&file)?.byte_len(), file.len());
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn byte_len(&self) -> usize {
         self.storage.file().len()
     }
 
     /// Bytes of the whole file: header and payload.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// let file: Vec<u8> = rock_and_cube();
-    /// assert_eq!(hullmap::Pack::from_bytes(&file)?.bytes(), file);
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn bytes(&self) -> &[u8] {
         self.storage.file()
     }
 
     /// Path of the source relative to the pack's folder, with `/` between folders. Empty if none
     /// was recorded.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// let pack: hullmap::Pack = pack();
-    /// // This pack was not baked from a file.
-    /// assert_eq!(pack.source_path(), "");
-    /// # }
-    /// ```
     pub fn source_path(&self) -> &str {
         std::str::from_utf8(self.storage.sections().source_path).unwrap_or_default()
     }
 
     /// The options that shaped the bake, in the form in which `bake` records them: one line.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// let pack: hullmap::Pack = pack();
-    /// // This pack was not baked by the command.
-    /// assert_eq!(pack.options(), "");
-    /// # }
-    /// ```
     pub fn options(&self) -> &str {
         self.record().next().unwrap_or_default()
     }
 
     /// Warnings of the bake about the mesh and its hulls, each with its remedy. `bake build` shows
     /// them again when the pack is fresh.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// let pack: hullmap::Pack = pack();
-    /// assert_eq!(pack.warnings().count(), 0);
-    /// # }
-    /// ```
     pub fn warnings(&self) -> impl Iterator<Item = &str> {
         self.record().skip(1)
     }
@@ -514,29 +403,11 @@ impl Pack {
 
     /// Whether this is a lean pack (`bake build --lean`), without the data that only manifolds,
     /// hints and walks over the surface need: see [`Hull::is_lean`].
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// assert!(!pack.is_lean());
-    /// # }
-    /// ```
     pub fn is_lean(&self) -> bool {
         self.storage.sections().is_lean()
     }
 
     /// Number of hulls. At least 1 in a pack whose structure was checked.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// let pack: hullmap::Pack = pack();
-    /// assert_eq!(pack.hull_count(), 2);
-    /// # }
-    /// ```
     pub fn hull_count(&self) -> usize {
         self.storage.sections().hulls.len()
     }
@@ -548,17 +419,6 @@ impl Pack {
     ///
     /// # Complexity
     /// O(1), no allocation.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() -> Result<(), hullmap::NoSuchHull> {
-    /// let pack: hullmap::Pack = pack();
-    /// assert_eq!(pack.hull(1)?.name(), "cube");
-    /// assert!(pack.hull(2).is_err());
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn hull(&self, index: usize) -> Result<Hull<'_>, NoSuchHull> {
         let facets = self.facets.get(index).and_then(Option::as_ref);
         Hull::new(self.storage.sections(), facets, index).ok_or(NoSuchHull { index, hull_count: self.hull_count() })
@@ -600,16 +460,6 @@ impl Pack {
     }
 
     /// All hulls, in the order of the file.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// let pack: hullmap::Pack = pack();
-    /// let names: Vec<&str> = pack.hulls().map(|hull| hull.name()).collect();
-    /// assert_eq!(names, ["rock", "cube"]);
-    /// # }
-    /// ```
     pub fn hulls(&self) -> impl Iterator<Item = Hull<'_>> {
         (0..self.hull_count()).filter_map(|index| self.hull(index).ok())
     }

@@ -5,6 +5,7 @@ use hullmap_import::unread_format;
 
 use super::orphans;
 use crate::args::BuildArgs;
+use crate::content::beside;
 use crate::depfile::{self, Rule};
 use crate::jobs::search::without_meshes;
 use crate::jobs::{Job, Jobs, Messages, jobs};
@@ -115,7 +116,7 @@ fn bakes_folders(args: &BuildArgs) -> bool {
 fn write_depfile(path: &Path, target: Option<&Path>, jobs: &[&Job], folders: &[PathBuf]) -> Result<(), Failure> {
     let mut rules = Vec::new();
     for job in jobs {
-        let buffers = hullmap_import::buffers_of(&job.source).map_err(|error| {
+        let beside = beside(&job.source, &job.options).map_err(|error| {
             let source = job.source.display();
             Failure::usage(format!(
                 "{}: not written, because {source} cannot be read: {error}; check the mesh",
@@ -123,7 +124,7 @@ fn write_depfile(path: &Path, target: Option<&Path>, jobs: &[&Job], folders: &[P
             ))
         })?;
         let own = [Some(job.source.clone()), job.config.clone()].into_iter().flatten();
-        rules.push(Rule { target: job.output.clone(), prerequisites: own.chain(buffers).collect() });
+        rules.push(Rule { target: job.output.clone(), prerequisites: own.chain(beside).collect() });
     }
     if let Some(target) = target {
         let files = rules.into_iter().flat_map(|rule| rule.prerequisites);

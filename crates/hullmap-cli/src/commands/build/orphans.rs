@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::jobs::pack_names::is_name_of;
 use crate::jobs::{Job, slashed};
-use crate::open::open_baked;
+use crate::open::open_asset;
 use crate::pack_file::{canonical_of_gone, folder_of, plain, resolve_recorded, shown_from, walk};
 use crate::packs::{PackPlace, is_baked};
 use crate::project::{Found, Project};
@@ -54,7 +54,7 @@ pub fn find(out: &Path, inputs: &[PathBuf], jobs: &[Job], project: &Path) -> Vec
 
 /// `beside` are the jobs whose packs lie in the folder of `pack`.
 fn judge(pack: &Path, out: &Path, inputs: &[PathBuf], beside: &[&Job], project: &Path) -> Option<Orphan> {
-    let recorded = open_baked(pack).ok()?.source_path().to_owned();
+    let recorded = open_asset(pack).ok()?.source_path().to_owned();
     let recorded_place = resolve_recorded(&recorded, folder_of(pack))?;
     let name = recorded_place.file_name()?;
     let below = pack.strip_prefix(out).ok()?.parent().unwrap_or(Path::new(""));

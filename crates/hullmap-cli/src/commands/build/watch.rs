@@ -18,6 +18,7 @@ use crate::pack_file::{canonical_of_gone, folder_of};
 use crate::packs::is_baked;
 use crate::runner::one::Baker;
 use crate::terminal::{self, Output};
+use hullmap_import::height_field::is_grid;
 use hullmap_import::{is_buffer, is_source};
 
 /// A change is processed after this much quiet time, because editors save in several steps.
@@ -169,7 +170,12 @@ fn matters(kind: EventKind, path: &Path, made: &Path) -> bool {
     let is_lock = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b".#"));
     is_change
         && !is_lock
-        && (is_gone_pack || is_source(path) || is_buffer(path) || is_config || may_be_folder && !path.starts_with(made))
+        && (is_gone_pack
+            || is_source(path)
+            || is_buffer(path)
+            || is_grid(path)
+            || is_config
+            || may_be_folder && !path.starts_with(made))
 }
 
 fn print_changes(paths: &BTreeSet<PathBuf>) {

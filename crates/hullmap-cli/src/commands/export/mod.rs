@@ -3,14 +3,14 @@
 
 mod robot;
 mod scene;
-mod triangles;
+mod surface;
 pub mod usd;
 
 use std::collections::HashMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use hullmap::{MassProperties, MassSource, Pack};
+use hullmap::{Asset, MassProperties, MassSource, Pack};
 use hullmap_format::header::FileKind;
 use hullmap_import::{Limits, Split, UpAxis};
 use serde::Serialize;
@@ -19,11 +19,11 @@ use crate::args::export::{ExportArgs, Format, Target};
 use crate::mesh_file::body::{Body, DENSITY, Inertial};
 use crate::mesh_file::names::{self, NAMES_IN_MESSAGE};
 use crate::mesh_file::{glb, obj, place, stl};
-use crate::open::{BakedFile, open_baked};
+use crate::open::{noun, open_asset};
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, link_below, make_folder, sweep, sweep_below, through_link};
-use crate::packs::{PackPlace, fields_in, find_packs, is_baked, kind_by_name};
+use crate::packs::{PackPlace, find_packs, is_baked, kind_by_name};
 use crate::selection::Selection;
 use crate::source::{Folders, Recorded, SourceSearch, find_source};
 use crate::terminal::{self, Output};
@@ -72,19 +72,14 @@ pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
     }
     let (mut exit, mut is_nothing) = (Exit::Done, true);
     let mut taken: HashMap<String, PathBuf> = HashMap::new();
-    let fields = fields_in(&args.packs);
-    if fields > 0 {
-        let fields = if fields == 1 { "1 height field".to_owned() } else { format!("{fields} height fields") };
-        terminal::note(format_args!("{fields} left out; export a height field by the name of its file"));
-    }
     for place in find_packs(&args.packs)? {
-        // A folder may hold levels as well.
-        let is_level = kind_by_name(&place.path) == Some(FileKind::TriangleMesh);
-        if is_level
-            && !args.packs.contains(&place.path)
-            && let Some(remedy) = export.unfit_for_levels()
+        // A folder may hold levels and terrains as well.
+        let kind = kind_by_name(&place.path).unwrap_or(FileKind::Pack);
+        if !args.packs.contains(&place.path)
+            && let Some(remedy) = export.unfit(kind)
         {
-            terminal::note(format_args!("{}: left out, because it is a triangle mesh; {remedy}", place.path.display()));
+            let (file, noun) = (place.path.display(), noun(kind));
+            terminal::note(format_args!("{file}: left out, because it is a {noun}; {remedy}"));
             continue;
         }
         is_nothing = false;
@@ -109,7 +104,7 @@ pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
         }
     }
     if is_nothing {
-        return Err(Failure::usage("nothing to export: there are only triangle meshes, which have no hulls"));
+        return Err(Failure::usage("nothing to export: there are only files without hulls"));
     }
     Ok(exit)
 }
@@ -131,9 +126,9 @@ impl Export<'_> {
 
     fn pack(&self, place: &PackPlace, target: Option<&Path>, out: &mut Output) -> Result<Exit, Failure> {
         let (args, path) = (self.args, place.path.as_path());
-        let pack = match open_baked(path)? {
-            BakedFile::Pack(pack) => pack,
-            BakedFile::TriangleMesh(mesh) => return self.write(&self.triangles(path, &mesh)?, target, out),
+        let pack = match open_asset(path)? {
+            Asset::Pack(pack) => pack,
+            other => return self.write(&self.surface(path, &other)?, target, out),
         };
         let (indices, mut bodies) = selected(args, path, &pack)?;
         leave_out(args, path, self.format, &mut bodies)?;
@@ -181,7 +176,7 @@ fn format(args: &ExportArgs, is_folder: bool) -> Result<Format, Failure> {
         return Ok(Format::Glb);
     }
     let allowed: &[Format] = match args.target {
-        None => &[Format::Obj, Format::Stl, Format::Glb, Format::Json],
+        None => &[Format::Obj, Format::Stl, Format::Glb, Format::Json, Format::F32],
         Some(Target::Unreal) => &[Format::Glb, Format::Obj],
         Some(Target::Godot | Target::KhrPhysics | Target::Omi | Target::Both) => &[Format::Glb],
         Some(Target::Mjcf | Target::Urdf | Target::Sdf) => &[Format::Obj, Format::Stl],
@@ -217,7 +212,7 @@ fn format(args: &ExportArgs, is_folder: bool) -> Result<Format, Failure> {
 fn check_output(args: &ExportArgs, format: Format, is_folder: bool) -> Result<(), Failure> {
     let name = format.extension();
     let Some(target) = &args.out else {
-        if matches!(format, Format::Glb | Format::Stl) && terminal::shows_output() {
+        if matches!(format, Format::Glb | Format::Stl | Format::F32) && terminal::shows_output() {
             return Err(Failure::usage(format!("{name} is binary; name a file with --out, or redirect the output")));
         }
         return Ok(());
@@ -296,7 +291,7 @@ fn check_flags(args: &ExportArgs, is_many: bool, is_folder: bool) -> Result<(), 
     let shown = target.display();
     if is_folder || is_many {
         let names_a_file = target.extension().is_some_and(|extension| {
-            [Format::Obj, Format::Stl, Format::Glb, Format::Json]
+            [Format::Obj, Format::Stl, Format::Glb, Format::Json, Format::F32]
                 .iter()
                 .any(|format| extension.eq_ignore_ascii_case(format.extension()))
         });
@@ -415,7 +410,7 @@ impl Export<'_> {
             None
         };
         match find_source(place, recorded, None, &Limits::DEFAULT, &self.folders) {
-            Ok(SourceSearch::Found(source)) => match source.point_sets.as_slice() {
+            Ok(SourceSearch::Found(source)) => match source.content.point_sets() {
                 [mesh] => Some(mesh.name.clone()),
                 meshes => note(&format!("its hulls stand for {} meshes of the source", meshes.len())),
             },
@@ -481,6 +476,7 @@ fn file(args: &ExportArgs, pack: &Pack, format: Format, name: String, bodies: &[
             text
         }
         Format::Stl => bodies.first().map_or(Ok(Vec::new()), stl::write)?,
+        Format::F32 => return Err("has no heights; f32 is for height fields: name another format".to_owned()),
     };
     Ok(ExportedFile { name, bytes, counts: Some(counts(bodies)) })
 }

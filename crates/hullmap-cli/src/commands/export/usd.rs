@@ -15,7 +15,7 @@ use crate::args::usd::StageUp;
 use crate::mesh_file::names;
 use crate::mesh_file::place;
 use crate::mesh_file::usda::{UsdGroup, UsdLayer, UsdMass, identifier, write};
-use crate::open::open_pack;
+use crate::open::{noun, open_pack};
 use crate::outcome::{Exit, Failure, end};
 use crate::pack_file::{folder_of, make_folder, sweep};
 use crate::packs::{PackPlace, find_packs, is_baked, kind_by_name};
@@ -28,11 +28,12 @@ pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
     let parent = check_flags(args)?;
     let mut places = find_packs(&args.packs)?;
     places.retain(|place| {
-        let is_level = kind_by_name(&place.path) == Some(FileKind::TriangleMesh) && !args.packs.contains(&place.path);
-        if is_level {
-            terminal::note(format_args!("{}: left out, because it is a triangle mesh", place.path.display()));
+        let kind =
+            kind_by_name(&place.path).filter(|kind| *kind != FileKind::Pack && !args.packs.contains(&place.path));
+        if let Some(kind) = kind {
+            terminal::note(format_args!("{}: left out, because it is a {}", place.path.display(), noun(kind)));
         }
-        !is_level
+        kind.is_none()
     });
     if args.name.is_some() && places.len() > 1 {
         return Err(Failure::usage(

@@ -1,15 +1,15 @@
-//! `bake inspect`: describes the hulls in packs, and triangle meshes.
+//! `bake inspect`: describes the hulls in packs, triangle meshes and height fields.
 
-mod mesh;
+mod surface;
 
-use hullmap::{Hull, IndexKind, Pack, SolidKind};
+use hullmap::{Asset, Hull, IndexKind, Pack, SolidKind};
 use hullmap_bake::number::{percent, short};
 use hullmap_import::UpAxis;
 use serde::Serialize;
 
 use crate::args::InspectArgs;
 use crate::mesh_file::body::BodyPrimitive;
-use crate::open::{BakedFile, kept_warnings, open_baked};
+use crate::open::{kept_warnings, open_asset};
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::packs::find_packs;
@@ -18,6 +18,7 @@ use crate::terminal::{self, Output};
 use hullmap_bake::number::{grouped, rounded};
 use hullmap_verify::estimates::MirrorPlane;
 use hullmap_verify::geometry::{polygons, positions, rank_name};
+use surface::{Surface, SurfaceDescription};
 
 /// Description of a pack. Field names are the JSON's.
 #[derive(Debug, Serialize)]
@@ -83,8 +84,8 @@ struct IndexDescription {
 pub fn run(args: &InspectArgs, out: &mut Output) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     for (index, place) in find_packs(&args.inputs)?.iter().enumerate() {
-        let file = match open_baked(&place.path) {
-            Ok(file) => file,
+        let asset = match open_asset(&place.path) {
+            Ok(asset) => asset,
             Err(failure) => {
                 exit = exit.max(failure.exit);
                 terminal::error(failure);
@@ -95,19 +96,26 @@ pub fn run(args: &InspectArgs, out: &mut Output) -> Result<Exit, Failure> {
             out.line("")?;
         }
         let path = place.path.display().to_string();
-        match (&file, args.json) {
-            (BakedFile::Pack(pack), true) => out.json(&report(path, pack, args.vertices))?,
-            (BakedFile::Pack(pack), false) => write_text(&report(path, pack, args.vertices), out)?,
-            (BakedFile::TriangleMesh(mesh), is_json) => {
-                let described = mesh::describe(path, mesh, file.kept_warnings(), args.vertices);
-                if is_json { out.json(&described)? } else { mesh::write_text(&described, out)? }
+        let surface = match &asset {
+            Asset::Pack(pack) => {
+                let described = report(path, pack, kept_warnings(&asset), args.vertices);
+                if args.json {
+                    out.json(&described)?
+                } else {
+                    write_text(&described, out)?
+                }
+                continue;
             }
-        }
+            Asset::TriangleMesh(mesh) => Surface::of_mesh(mesh, args.vertices),
+            Asset::HeightField(field) => Surface::of_field(field, args.vertices),
+        };
+        let described = SurfaceDescription::new(path, &asset, surface);
+        if args.json { out.json(&described)? } else { described.write_text(out)? }
     }
     Ok(exit)
 }
 
-fn report(file: String, pack: &Pack, has_vertices: bool) -> PackDescription {
+fn report(file: String, pack: &Pack, warnings: Vec<String>, has_vertices: bool) -> PackDescription {
     let header = pack.header();
     PackDescription {
         file,
@@ -117,7 +125,7 @@ fn report(file: String, pack: &Pack, has_vertices: bool) -> PackDescription {
         source: pack.source_path().to_owned(),
         options: pack.options().to_owned(),
         source_hash: format!("{:032x}", header.source_hash),
-        warnings: kept_warnings(pack),
+        warnings,
         hulls: described(&pack.hulls().collect::<Vec<_>>(), has_vertices),
     }
 }
@@ -258,107 +266,5 @@ fn write_part(hull: &HullDescription, reachable: Option<&str>, out: &mut Output)
     match reachable {
         Some(words) => Ok(out.line(format_args!("  reachable          protrusion counts where {words}"))?),
         None => Ok(()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn report() -> PackDescription {
-        let index =
-            IndexDescription { kind: "tree".to_owned(), resolution: None, bytes: 480, max_nodes: 5, max_dots: 8 };
-        let hull = HullDescription {
-            name: "cube".to_owned(),
-            rank: 3,
-            vertices: 8,
-            faces: 6,
-            points: 24,
-            volume: 8.0,
-            surface_area: 24.0,
-            centroid: [0.0; 3],
-            bounds: [[-1.0; 3], [1.0; 3]],
-            diameter: 12.0_f64.sqrt(),
-            containment_error: 0.0,
-            outer_error: 0.0,
-            uncovered: None,
-            protrusion: None,
-            protrusion_at: None,
-            solid: None,
-            part: 0,
-            part_count: 0,
-            symmetry: None,
-            origin: [0.0; 3],
-            positions: None,
-            polygons: None,
-            mesh_volume: Some(6.5),
-            mesh_centroid: Some([0.25, 0.0, 0.0]),
-            mesh_inertia: Some([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
-            voids: None,
-            voids_error: None,
-            primitive: None,
-            index,
-        };
-        PackDescription {
-            file: "cube.hullmap".to_owned(),
-            format_version: 1,
-            lean: false,
-            bytes: 2000,
-            source: "cube.obj".to_owned(),
-            options: "index tree".to_owned(),
-            source_hash: "0".repeat(32),
-            warnings: vec!["hull cube is thin".to_owned()],
-            hulls: vec![hull],
-        }
-    }
-
-    #[test]
-    fn json_has_the_stable_fields() {
-        let report = serde_json::to_value(report()).unwrap();
-        for key in ["file", "format_version", "bytes", "source", "hulls"] {
-            assert!(report.get(key).is_some(), "{key}");
-        }
-        let hull = &report["hulls"][0];
-        for key in [
-            "name",
-            "rank",
-            "vertices",
-            "faces",
-            "volume",
-            "surface_area",
-            "centroid",
-            "bounds",
-            "diameter",
-            "containment_error",
-            "mesh_volume",
-            "mesh_centroid",
-            "mesh_inertia",
-            "voids",
-            "voids_error",
-            "primitive",
-            "index",
-        ] {
-            assert!(hull.get(key).is_some(), "{key}");
-        }
-        for key in ["kind", "bytes", "max_nodes", "max_dots"] {
-            assert!(hull["index"].get(key).is_some(), "{key}");
-        }
-    }
-
-    #[test]
-    fn text_for_people() {
-        let mut out = Vec::new();
-        write_text(&report(), &mut Output::new(&mut out)).unwrap();
-        let text = String::from_utf8(out).unwrap();
-        assert!(
-            text.contains("hull #0 cube\n")
-                && text.contains(" 3.464102\n")
-                && text.contains("3 (solid)")
-                && text.contains("60.0 per vertex")
-                && text.contains("containment error  0 of the diameter")
-                && text.contains("  mesh               volume 6.5, centre of mass 0.25 0 0\n")
-                && text.contains("  warning            hull cube is thin\n"),
-            "{text}"
-        );
     }
 }

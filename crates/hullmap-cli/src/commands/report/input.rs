@@ -1,19 +1,20 @@
-//! Gathers what the report shows about a pack: its source, its verification, and remarks.
+//! Gathers what the report shows about a file: its source, its verification, and remarks.
 
 use std::path::Path;
 use std::time::Instant;
 
-use hullmap::Pack;
+use hullmap::Asset;
 use hullmap_bake::advice::{self, Remark};
 use hullmap_report::input::{self as report, Remarks, Verification, VerifiedHull};
-use hullmap_report::mesh::MeshReport;
-use hullmap_report::{Analysis, Card, Input, analyse, mesh_page, pack_page};
+use hullmap_report::surface::SurfaceReport;
+use hullmap_report::{Analysis, Card, Input, analyse, pack_page, surface_page};
 
-use super::mesh::analyse_mesh;
 use super::remarks::remarks;
 use super::sought::{Sought, seek_source, source_name};
+use super::surface::analyse_surface;
 use crate::args::ReportArgs;
-use crate::open::{BakedFile, open_baked};
+use crate::content::{Content, Verified, verify};
+use crate::open::{kept_warnings, open_asset};
 use crate::options::BuildOptions;
 use crate::outcome::Failure;
 use crate::packs::PackPlace;
@@ -21,11 +22,11 @@ use crate::source::{Folders, Source};
 use crate::source_mesh::display_mesh;
 use hullmap_verify::estimates::PartsEstimates;
 use hullmap_verify::geometry::polygons;
-use hullmap_verify::pack::{HullVerification, Reference, verify_hulls};
+use hullmap_verify::pack::HullVerification;
 
 pub enum Analysed {
     Pack(Box<Analysis>),
-    Mesh(Box<MeshReport>),
+    Surface(Box<SurfaceReport>),
 }
 
 impl Analysed {
@@ -33,28 +34,28 @@ impl Analysed {
     pub fn page(&self, index: Option<&str>) -> String {
         match self {
             Self::Pack(pack) => pack_page(pack, index),
-            Self::Mesh(mesh) => mesh_page(mesh, index),
+            Self::Surface(surface) => surface_page(surface, index),
         }
     }
 
     pub fn card(&self, name: String, link: String) -> Card {
         match self {
             Self::Pack(pack) => Card::new(name, pack, link),
-            Self::Mesh(mesh) => Card::of_mesh(name, mesh, link),
+            Self::Surface(surface) => Card::of_surface(name, surface, link),
         }
     }
 
     pub fn file(&self) -> &str {
         match self {
             Self::Pack(pack) => &pack.file,
-            Self::Mesh(mesh) => &mesh.file,
+            Self::Surface(surface) => &surface.file,
         }
     }
 
     pub fn faults(&self) -> &[String] {
         match self {
             Self::Pack(pack) => &pack.remarks.faults,
-            Self::Mesh(mesh) => &mesh.remarks.faults,
+            Self::Surface(surface) => &surface.remarks.faults,
         }
     }
 }
@@ -70,35 +71,38 @@ pub fn analyse_file(
     folders: &Folders,
 ) -> Result<Analysed, Failure> {
     let start = Instant::now();
-    let opened = open_baked(&place.path)?;
+    let asset = open_asset(&place.path)?;
     let open_time = start.elapsed();
-    let pack = match &opened {
-        BakedFile::Pack(pack) => pack,
-        BakedFile::TriangleMesh(mesh) => {
-            let report = analyse_mesh(place, &opened, mesh, given, args, folders)?;
-            return Ok(Analysed::Mesh(Box::new(report)));
+    let mut faults = Vec::new();
+    let Sought { source, absent } = seek_source(place, &asset, given, args, folders, &mut faults)?;
+    let pack = match &asset {
+        Asset::Pack(pack) => pack,
+        Asset::TriangleMesh(_) | Asset::HeightField(_) => {
+            let report = analyse_surface(place, &asset, source, &absent, args, faults);
+            return Ok(Analysed::Surface(Box::new(report)));
         }
     };
-    let mut faults = Vec::new();
-    let Sought { source, absent } = seek_source(place, &opened, given, args, folders, &mut faults)?;
-    let mut remarks = remarks(pack, source.as_ref());
+    let mut remarks = remarks(pack, kept_warnings(&asset), source.as_ref());
     if source.is_none() {
         let warning = format!(
             "{absent} the hull is shown alone and was compared with itself only; name the source with --source"
         );
         remarks.warnings.insert(0, warning);
     }
-    let verification = verify(pack, source.as_ref(), args, &mut faults, &mut remarks);
+    let verification = verified(&asset, source.as_ref(), args, &mut faults, &mut remarks);
     remarks.faults = faults;
     let source = source.map(|source| report::Source {
         name: source_name(&source, pack.source_path()),
-        point_count: source.point_sets.iter().map(|set| set.positions.len()).sum(),
-        meshes: source
-            .point_sets
-            .iter()
-            .zip(&source.faces)
-            .map(|(set, faces)| display_mesh(&set.positions, faces))
-            .collect(),
+        point_count: source.content.point_sets().iter().map(|set| set.positions.len()).sum(),
+        meshes: match &source.content {
+            Content::Mesh(mesh) => mesh
+                .point_sets
+                .iter()
+                .zip(&mesh.faces)
+                .map(|(set, faces)| display_mesh(&set.positions, faces))
+                .collect(),
+            Content::Terrain(_) => Vec::new(),
+        },
     });
     let input = Input { path: &place.path, pack, open_time, source, verification, remarks, polygons, up: args.up };
     let mut analysis = analyse(input).map_err(|error| Failure::usage(error.to_string()))?;
@@ -108,20 +112,22 @@ pub fn analyse_file(
 
 /// Verifies the pack as `bake verify` does. Failures are added to `faults`, and flaws for engines
 /// to the warnings, unless the pack keeps them. How parts fit together is a note.
-fn verify(
-    pack: &Pack,
+fn verified(
+    asset: &Asset,
     source: Option<&Source>,
     args: &ReportArgs,
     faults: &mut Vec<String>,
     remarks: &mut Remarks,
 ) -> Verification {
     let start = Instant::now();
-    let reference = source.map_or(Reference::StoredHull, |source| Reference::Source(&source.point_sets));
-    let cover = BuildOptions::recorded_cover(pack.options());
-    let results = verify_hulls(pack, reference, cover.as_ref(), args.directions, args.seed).unwrap_or_else(|error| {
-        faults.push(error);
-        Vec::new()
-    });
+    let results = match verify(asset, source.map(|source| &source.content), args.directions, args.seed) {
+        Ok(Verified::Hulls(results)) => results,
+        Ok(Verified::Surface(_)) => Vec::new(),
+        Err(error) => {
+            faults.push(error);
+            Vec::new()
+        }
+    };
     faults.extend(results.iter().filter(|result| !result.pass).map(HullVerification::verdict));
     for text in results.iter().flat_map(|result| &result.warnings) {
         if remarks.warnings.len() < MAX_WARNINGS && !remarks.warnings.contains(text) {

@@ -1,4 +1,4 @@
-//! `bake report`: packs and triangle meshes on HTML pages.
+//! `bake report`: baked files on HTML pages.
 //!
 //! 1. [`input`] opens a pack, finds its source, verifies it and collects remarks.
 //! 2. The crate `hullmap-report` turns that into a page; a folder of packs gets a page of cards
@@ -7,10 +7,10 @@
 //!    are never broken.
 
 mod input;
-mod mesh;
 mod remarks;
 mod shards;
 mod sought;
+mod surface;
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -121,12 +121,12 @@ fn merge(args: &ReportArgs, places: &[PackPlace], out: &mut Output) -> Result<Ex
     end(exit, print_written(&args.out, cards.len(), page.len(), out))
 }
 
-/// Path below the folder, without extension. A triangle mesh keeps it, to differ from a pack.
+/// Path below the folder, without extension. Files other than packs keep it, to differ from these.
 fn name_of(args: &ReportArgs, place: &PackPlace) -> String {
     let below = place.path.strip_prefix(&args.input).unwrap_or(&place.path);
     match kind_by_name(below) {
-        Some(FileKind::TriangleMesh) => slashed(below),
-        _ => slashed(&below.with_extension("")),
+        Some(FileKind::Pack) | None => slashed(&below.with_extension("")),
+        Some(FileKind::TriangleMesh | FileKind::HeightField) => slashed(below),
     }
 }
 

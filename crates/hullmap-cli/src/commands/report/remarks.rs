@@ -6,16 +6,14 @@ use hullmap_bake::advice::{self, HullMeasures, PartsFit, Remark};
 use hullmap_bake::decompose::Length;
 use hullmap_report::input::Remarks;
 
-use crate::open::kept_warnings;
 use crate::options::BuildOptions;
 use crate::source::Source;
 
 /// Remarks about the import and the hulls. Without a source, hulls are checked for far coordinates.
-pub fn remarks(pack: &Pack, source: Option<&Source>) -> Remarks {
+pub fn remarks(pack: &Pack, kept: Vec<String>, source: Option<&Source>) -> Remarks {
     let mut remarks = Remarks::default();
     if let Some(source) = source {
-        remarks.notes.clone_from(&source.notes);
-        remarks.warnings.clone_from(&source.warnings);
+        [remarks.notes, remarks.warnings] = source.content.remarks().map(<[String]>::to_vec);
     }
     let hulls: Vec<Hull> = pack.hulls().collect();
     let cover = BuildOptions::recorded_cover(pack.options());
@@ -30,7 +28,6 @@ pub fn remarks(pack: &Pack, source: Option<&Source>) -> Remarks {
     let (notes, warnings) = advice::summarise(found);
     remarks.notes.extend(notes);
     remarks.warnings.extend(warnings);
-    let kept = kept_warnings(pack);
     if !kept.is_empty() {
         remarks.warnings = kept;
     }
@@ -88,7 +85,7 @@ mod tests {
         let source_vertices = (0..positions.len() as u32).collect();
         let set = PointSet { name: "cloud".to_owned(), positions, source_vertices, ..PointSet::default() };
         let bytes = write_pack(&[bake_hull(&set, IndexKind::Tree).unwrap()], &SourceRecord::default()).unwrap();
-        let found = remarks(&Pack::from_bytes(&bytes).unwrap(), None);
+        let found = remarks(&Pack::from_bytes(&bytes).unwrap(), Vec::new(), None);
         assert!(found.notes.is_empty());
         found.warnings.join("|")
     }

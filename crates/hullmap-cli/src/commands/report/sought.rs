@@ -1,7 +1,8 @@
 use std::path::Path;
 
+use hullmap::Asset;
+
 use crate::args::ReportArgs;
-use crate::open::BakedFile;
 use crate::outcome::{Exit, Failure};
 use crate::packs::PackPlace;
 use crate::source::{Folders, Recorded, Source, SourceSearch, find_source};
@@ -16,14 +17,14 @@ pub struct Sought {
 /// source that does not match is a fault. Fails if `--source` leads to no file.
 pub fn seek_source(
     place: &PackPlace,
-    opened: &BakedFile,
+    asset: &Asset,
     given: Option<&Path>,
     args: &ReportArgs,
     folders: &Folders,
     faults: &mut Vec<String>,
 ) -> Result<Sought, Failure> {
     let mut absent = "the source cannot be used, so".to_owned();
-    let source = match find_source(place, Recorded::from_file(opened), given, &args.limits.limits(), folders) {
+    let source = match find_source(place, Recorded::from_asset(asset), given, &args.limits.limits(), folders) {
         Ok(SourceSearch::Found(source)) => Some(*source),
         Ok(SourceSearch::Absent(why)) => {
             absent = why.map_or_else(|| "the source was not found, so".to_owned(), |why| format!("{why};"));

@@ -1,16 +1,16 @@
-//! `bake verify`: checks packs and triangle meshes against the meshes they were baked from.
+//! `bake verify`: checks baked files against their sources.
 
-mod meshes;
+mod surfaces;
 
 use std::path::Path;
 
-use hullmap::Pack;
+use hullmap::{Asset, Pack};
 use hullmap_bake::number::{percent, short};
 
 use crate::args::verify::VerifyArgs;
 use crate::budget::{Figures, budget};
-use crate::open::{BakedFile, open_baked};
-use crate::options::BuildOptions;
+use crate::content::{Verified, verify};
+use crate::open::open_asset;
 use crate::outcome::{Exit, Failure, end};
 use crate::packs::{PackPlace, find_packs};
 use crate::source::{Folders, Recorded, Source, SourceSearch, find_source, given_sources};
@@ -18,10 +18,7 @@ use crate::table::{Align, Table, or_dash};
 use crate::terminal::{self, Output};
 use hullmap_bake::number::grouped;
 use hullmap_verify::geometry::{polygons, positions};
-use hullmap_verify::pack::{
-    BOUNDS_UNCHECKED, HullVerification, Reference, UNMEASURED, WITH_WARNINGS, WITHIN_BOUNDS, verify_hulls,
-};
-use hullmap_verify::triangle_mesh::{MeshVerification, SourceTriangles, verify_mesh};
+use hullmap_verify::pack::{BOUNDS_UNCHECKED, HullVerification, UNMEASURED, WITH_WARNINGS, WITHIN_BOUNDS};
 
 /// Maximum number of warnings that are printed about one pack. JSON has all of them.
 const MAX_WARNINGS: usize = 8;
@@ -31,23 +28,18 @@ pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
         terminal::note(format_args!("the limits of {} are from {}", budget.name, budget.source));
     }
     let mut exit = Exit::Done;
-    let (mut results, mut meshes) = (Vec::new(), Vec::new());
+    let (mut results, mut surfaces) = (Vec::new(), Vec::new());
     let places = find_packs(&args.inputs)?;
     let sources = given_sources(args.source.as_deref(), &places)?;
     let folders = Folders::default();
     for (place, given) in places.iter().zip(sources) {
         match verify_file(place, given, args, &folders) {
-            Ok(Verified::Hulls(mut hulls)) => {
-                if hulls.iter().any(|result| !result.pass) {
-                    exit = exit.max(Exit::Rejected);
+            Ok(verified) => {
+                exit = exit.max(if verified.verdict().is_some() { Exit::Rejected } else { Exit::Done });
+                match verified {
+                    Verified::Hulls(mut hulls) => results.append(&mut hulls),
+                    Verified::Surface(surface) => surfaces.push(*surface),
                 }
-                results.append(&mut hulls);
-            }
-            Ok(Verified::Mesh(mesh)) => {
-                if !mesh.pass {
-                    exit = exit.max(Exit::Rejected);
-                }
-                meshes.push(*mesh);
             }
             Err(failure) => {
                 exit = exit.max(failure.exit);
@@ -59,8 +51,8 @@ pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
             for result in results.drain(..) {
                 out.json(&result)?;
             }
-            for mesh in meshes.drain(..) {
-                out.json(&mesh)?;
+            for surface in surfaces.drain(..) {
+                out.json(&surface)?;
             }
             out.flush()?;
         }
@@ -68,18 +60,13 @@ pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
     if args.json {
         return Ok(exit);
     }
-    let has_hulls = !results.is_empty() || meshes.is_empty();
+    let has_hulls = !results.is_empty() || surfaces.is_empty();
     let mut written = if has_hulls { write_text(&results, args.hulls, out) } else { Ok(()) };
-    if !meshes.is_empty() && written.is_ok() {
+    if !surfaces.is_empty() && written.is_ok() {
         let gap = if has_hulls { out.line("").map_err(Failure::from) } else { Ok(()) };
-        written = gap.and_then(|()| meshes::write_text(&meshes, out));
+        written = gap.and_then(|()| surfaces::write_text(&surfaces, out));
     }
     end(exit, written)
-}
-
-enum Verified {
-    Hulls(Vec<HullVerification>),
-    Mesh(Box<MeshVerification>),
 }
 
 fn verify_file(
@@ -88,60 +75,51 @@ fn verify_file(
     args: &VerifyArgs,
     folders: &Folders,
 ) -> Result<Verified, Failure> {
-    let opened = open_baked(&place.path)?;
+    let asset = open_asset(&place.path)?;
     let file = place.path.display().to_string();
-    let source = source_of(place, &opened, given, args, folders)?;
+    let source = source_of(place, &asset, given, args, folders)?;
     let shown = source.as_ref().map(|source| source.path.display().to_string());
-    match &opened {
-        BakedFile::Pack(pack) => {
-            let reference = source.as_ref().map(|source| Reference::Source(&source.point_sets));
-            let reference = reference.unwrap_or(Reference::StoredHull);
-            let cover = BuildOptions::recorded_cover(pack.options());
-            let mut results = verify_hulls(pack, reference, cover.as_ref(), args.directions, args.seed)
-                .map_err(|error| Failure::rejected(format!("{file}: {error}")))?;
-            for result in &mut results {
+    let content = source.as_ref().map(|source| &source.content);
+    let mut verified = verify(&asset, content, args.directions, args.seed)
+        .map_err(|error| Failure::rejected(format!("{file}: {error}")))?;
+    match &mut verified {
+        Verified::Hulls(results) => {
+            for result in results.iter_mut() {
                 result.file.clone_from(&file);
                 result.source.clone_from(&shown);
             }
-            if let Some(name) = &args.budget {
-                judge_budget(name, pack, &mut results);
+            if let (Some(name), Asset::Pack(pack)) = (&args.budget, &asset) {
+                judge_budget(name, pack, results);
             }
-            Ok(Verified::Hulls(results))
         }
-        BakedFile::TriangleMesh(mesh) => {
-            let triangles = match &source {
-                Some(source) => SourceTriangles::new(&source.point_sets, &source.faces, &source.materials).map(Some),
-                None => Ok(None),
-            };
-            let triangles = triangles.map_err(|error| Failure::rejected(format!("{file}: {error}")))?;
-            let result = verify_mesh(mesh, triangles.as_ref(), args.directions, args.seed);
-            Ok(Verified::Mesh(Box::new(MeshVerification { file, source: shown, ..result })))
-        }
+        Verified::Surface(surface) => (surface.file, surface.source) = (file, shown),
     }
+    Ok(verified)
 }
 
 /// Source of a file. Without one, prints a note, or fails if `--require-source` is given.
 fn source_of(
     place: &PackPlace,
-    opened: &BakedFile,
+    asset: &Asset,
     given: Option<&Path>,
     args: &VerifyArgs,
     folders: &Folders,
 ) -> Result<Option<Source>, Failure> {
     let file = place.path.display();
-    match find_source(place, Recorded::from_file(opened), given, &args.limits.limits(), folders)? {
+    match find_source(place, Recorded::from_asset(asset), given, &args.limits.limits(), folders)? {
         SourceSearch::Found(source) => Ok(Some(*source)),
         SourceSearch::Absent(why) if args.require_source => {
-            let recorded = opened.source_path();
+            let recorded = asset.source_path();
             let why =
                 why.unwrap_or_else(|| format!("no source found beside the pack or at the recorded path `{recorded}`"));
             Err(Failure::rejected(format!("{file}: {why}; name the source with --source")))
         }
         SourceSearch::Absent(why) => {
             let why = why.as_deref().unwrap_or("no source found");
-            let stored = match opened {
-                BakedFile::Pack(_) => "the stored hull",
-                BakedFile::TriangleMesh(_) => "the stored triangles",
+            let stored = match asset {
+                Asset::Pack(_) => "the stored hull",
+                Asset::TriangleMesh(_) => "the stored triangles",
+                Asset::HeightField(_) => "the stored heights",
             };
             terminal::note(format_args!("{file}: {why}; compared with {stored} only (name the source with --source)"));
             Ok(None)
