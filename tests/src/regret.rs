@@ -1,5 +1,5 @@
-//! Regret of a support query: the maximum dot product over all source points, in f64, independent of
-//! the hull.
+//! Regret of a support query: the maximum dot product over all source points, in f64, independent
+//! of the hull.
 //!
 //! Points are sorted into boxes of neighbours. A box's bound is the dot product with its farthest
 //! corner, computed by the same operations in the same order. Rounding is monotonic, so no computed
@@ -55,7 +55,7 @@ impl Truth {
         greatest
     }
 
-    /// Regret of a support query: (maximum dot product − dot product of `got`) / (|dir| · diameter).
+    /// Regret of a support query: maximum dot product less that of `got`, over |dir| · diameter.
     /// 0 for an invalid direction, and where all points are the same.
     pub fn regret(&self, dir: Vec3, got: Vec3) -> f64 {
         self.in_direction(dir.as_dvec3()).map_or(0.0, |truth| truth.regret(got.as_dvec3()))

@@ -7,8 +7,8 @@
 //! | [`manifolds`] | manifolds of bodies of all kinds: every point is on both surfaces |
 //!
 //! Truths of rays are exact. Truths in f64 have a slack for their own rounding error. Where a truth
-//! is within it, and the coordinates are whole, f64 decides exactly; other such cases are counted as
-//! unsure.
+//! is within it, and the coordinates are whole, f64 decides exactly; other such cases are counted
+//! as unsure.
 
 pub mod joints;
 pub mod manifolds;

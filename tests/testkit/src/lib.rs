@@ -20,8 +20,8 @@
 //! No truth uses code of the solver. Packages use this one only as a development dependency.
 //!
 //! # Rounding error
-//! Truths in f64 are exact up to [`polytope::rounding_error`]. The error of a facet's normal is a few
-//! units of rounding error divided by the facet's extent. A plane that is tilted by this angle
+//! Truths in f64 are exact up to [`polytope::rounding_error`]. The error of a facet's normal is a
+//! few units of rounding error divided by the facet's extent. A plane that is tilted by this angle
 //! about the facet changes its support value by extent times tilt. So the error of even an
 //! arbitrarily thin facet is a few units of the greatest length.
 

@@ -105,8 +105,8 @@ impl Met {
 const FEW_FACES: usize = 128;
 
 /// Queries a hull of `points` in `count` directions, each in f64 and rounded to f32, with each of
-/// `indices`; a small hull along all its normals, too. Panics if a regret exceeds `slivers` plus the
-/// rounding error, if a query costs more than stated, or if a point is lost.
+/// `indices`; a small hull along all its normals, too. Panics if a regret exceeds `slivers` plus
+/// the rounding error, if a query costs more than stated, or if a point is lost.
 pub fn check(name: &str, points: &[[f32; 3]], indices: &[IndexKind], count: usize, slivers: f64) -> Met {
     let truth = Truth::new(points);
     let mut met = Met::default();

@@ -1,5 +1,5 @@
-//! Times of impact of shapes that move and turn, against formulas. `hullmap_tests::soak` judges random
-//! ones.
+//! Times of impact of shapes that move and turn, against formulas. `hullmap_tests::soak` judges
+//! random ones.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::atomic::{AtomicU32, Ordering};

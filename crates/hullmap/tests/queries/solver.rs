@@ -395,7 +395,7 @@ proptest! {
             prop_assert!(value(d.normal) <= -0.999 * d.lower && d.lower > 0.0, "{:?}", d);
             prop_assert!((distance_apart(&a, &b, pose) - d.distance).abs() <= 1e-5 * d.distance + 1e-12, "{:?}", d);
         }
-        // The same for baked hulls of these points.
+        // Baked hulls of these points have the same answers.
         let packs = [&a, &b].map(|cloud| {
             tree_pack(&cloud.points.iter().map(|p| p.as_vec3().to_array()).collect::<Vec<_>>())
         });

@@ -1,5 +1,5 @@
-//! Triangle meshes: manifolds, long triangles, damaged files, and work. `hullmap_tests::sheets` judges
-//! random queries by brute force.
+//! Triangle meshes: manifolds, long triangles, damaged files, and work. `hullmap_tests::sheets`
+//! judges random queries by brute force.
 
 use glam::{DQuat, DVec3};
 use hullmap::shapes::{Cuboid, Sphere};
