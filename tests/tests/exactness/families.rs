@@ -13,7 +13,7 @@ use directions::{KINDS, Kind, Maker};
 use glam::{DQuat, DVec3, Vec3};
 use hullmap::{Hull, Instructions, Pack, SupportMap};
 use hullmap_bake::{IndexKind, SourceRecord};
-use hullmap_testkit::packs::{ALL_INDICES, bytes, point_set};
+use hullmap_testkit::packs::{ALL_INDICES, bytes, pack, point_set};
 use hullmap_tests::regret::Truth;
 use nodes::{Counts, Words};
 use shapes::{families::Family, rng::SplitMix64};
@@ -292,7 +292,12 @@ fn every_family_turned_scaled_and_moved() {
     for family in [Family::Rock, Family::Lens, Family::RotatedPrism, Family::FlatSheet, Family::Needle] {
         for scale in [1e-30, 1e30] {
             let points: Vec<[f32; 3]> = family.points(500, 5).iter().map(|p| p.map(|c| c * scale)).collect();
-            check(&format!("{} times {scale:e}", family.name()), &points, &ALL_INDICES[..1], 2_000, EXACT);
+            let (pack, truth) = (pack(family.name(), &points, IndexKind::Tree), Truth::new(&points));
+            let hull = pack.hull(0).unwrap();
+            for dir in hullmap_tests::directions::all(&hull, 2_000, 0x5eed) {
+                let regret = truth.regret(dir, hull.support(dir).point);
+                assert!(regret <= EXACT, "{} times {scale:e}: regret {regret:e} in direction {dir}", family.name());
+            }
         }
     }
     sum.assert_representative();

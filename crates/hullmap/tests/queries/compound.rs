@@ -28,13 +28,18 @@ pub(crate) fn pack(count: usize, radius: f64, seed: u64) -> Pack {
     of_parts(parts)
 }
 
-/// A pack of these points, of this size at these places.
-fn of_parts(parts: impl Iterator<Item = (Vec<[f32; 3]>, f64, [f64; 3])>) -> Pack {
-    let set = |(number, (points, size, place)): (usize, (Vec<[f32; 3]>, f64, [f64; 3]))| {
-        let placed = |p: &[f32; 3]| std::array::from_fn(|i| (f64::from(p[i]) * size + place[i]) as f32);
-        point_set(&number.to_string(), &points.iter().map(placed).collect::<Vec<_>>())
-    };
-    let sets: Vec<_> = parts.enumerate().map(set).collect();
+/// Points, and their size and place.
+type Placed = (Vec<[f32; 3]>, f64, [f64; 3]);
+
+/// A pack of these parts.
+fn of_parts(parts: impl Iterator<Item = Placed>) -> Pack {
+    let sets: Vec<_> = parts
+        .enumerate()
+        .map(|(number, (points, size, place))| {
+            let placed = |p: &[f32; 3]| std::array::from_fn(|i| (f64::from(p[i]) * size + place[i]) as f32);
+            point_set(&number.to_string(), &points.iter().map(placed).collect::<Vec<_>>())
+        })
+        .collect();
     Pack::from_bytes(&packs::bytes(&sets, IndexKind::Tree, &SourceRecord::default()).unwrap()).unwrap()
 }
 

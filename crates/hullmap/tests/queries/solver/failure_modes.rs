@@ -253,6 +253,9 @@ fn zero_depth_gives_nan() {
     }
 }
 
+/// A and B at a scale.
+type Pairs<'c> = &'c dyn Fn(f64) -> [Box<Any<'static>>; 2];
+
 #[test]
 fn absolute_epsilons_break_at_other_scales() {
     let mut rng = SplitMix64::new(17);
@@ -267,7 +270,7 @@ fn absolute_epsilons_break_at_other_scales() {
         };
         let of_hulls = |scale: f64| clouds.each_ref().map(|cloud| hull(&cloud.scaled(scale)));
         // Hulls in f32 lose digits if the scale is no power of two.
-        let kinds: [(f64, &dyn Fn(f64) -> [Box<Any<'static>>; 2]); 2] = [(1e-12, &of_clouds), (1e-6, &of_hulls)];
+        let kinds: [(f64, Pairs<'_>); 2] = [(1e-12, &of_clouds), (1e-6, &of_hulls)];
         for (error, bodies) in kinds {
             let [a, b] = bodies(1.0);
             // Normalised twice, as the scaled poses below are.
