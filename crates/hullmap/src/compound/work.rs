@@ -77,6 +77,9 @@ impl<P: Tree> Geometry for Counted<'_, P> {
     }
 }
 
+/// A query of counted parts.
+type Query<'q, P> = &'q dyn Fn(&Counted<'_, P>);
+
 /// A pack of rocks of this size at these places.
 fn rocks(places: impl Iterator<Item = DVec3>, size: f64) -> Pack {
     let set = |(i, place): (usize, DVec3)| {
@@ -170,7 +173,7 @@ fn boxes_grow_with_the_logarithm_of_the_number_of_parts() {
     let passing = Ray::new(DVec3::new(0.2, 0.1, 9.0), DVec3::new(0.1, 0.2, 1.0)).unwrap();
     let (ball, settings, casts) = (Sphere::new(0.5).unwrap(), Settings::default(), CastSettings::default());
     /// Work of a distance, a ray that hits, and a ray that misses.
-    fn of<P: Tree>(parts: &P, queries: [&dyn Fn(&Counted<'_, P>); 3]) -> [[u32; 2]; 3] {
+    fn of<P: Tree>(parts: &P, queries: [Query<'_, P>; 3]) -> [[u32; 2]; 3] {
         let counted = Counted::new(parts);
         queries.map(|query| counted.work(true, query))
     }
