@@ -6,7 +6,7 @@
 //! | [`hostile`] | damaged and hostile packs | `hostile-packs` |
 //! | [`faults`] | bakes with faults at system calls, kills, power cuts (Linux) | `bake-faults` |
 //! | [`soak`] | solver answers judged by certificates | `solver-soak` |
-//! | [`truth`] | solver intervals compared with truths | `solver-truth`, `degenerate-truth` |
+//! | [`degenerate`] | small hulls in degenerate poses, judged by their exact depth | `degenerate-truth` |
 //! | [`sheets`] | queries of triangle meshes judged by brute force | `mesh-truth` |
 //! | [`sampler`] | bounds of convex parts, tried by sampling | `decompose-soak`, `decompose-table` |
 //! | [`fuzzed`] | the fuzz targets, their corpora and first inputs | `fuzz-corpus`, and the targets in `fuzz/` |
@@ -14,6 +14,7 @@
 //! | [`directions`], [`regret`] | directions in which a support query can fail, and by how much | |
 //! | [`wavefront`] | second opinion: a plain OBJ reader | |
 
+pub mod degenerate;
 pub mod directions;
 #[cfg(target_os = "linux")]
 pub mod faults;
@@ -25,5 +26,4 @@ pub mod regret;
 pub mod sampler;
 pub mod sheets;
 pub mod soak;
-pub mod truth;
 pub mod wavefront;

@@ -10,10 +10,10 @@ use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_fie
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{bytes, point_set};
+use hullmap_testkit::ray::{Fraction, Line, facets};
 use shapes::rng::SplitMix64;
 
-use super::Tally;
-use super::rational::{Fraction, Line, facets};
+use super::tally::Tally;
 
 /// Number of rays in a scene.
 const RAYS: u64 = 100;
@@ -187,8 +187,7 @@ impl Tally {
             let Ok(ray) = Ray::new(origin, direction) else { continue };
             let settings = CastSettings { max_t, ..CastSettings::default() };
             let is_one_sided = joints.parts.is_empty() && rng.below(4) == 0;
-            let points = joints.triangles.iter().flatten().chain(joints.parts.iter().flatten()).copied();
-            let line = Line::new(origin, direction, max_t, points);
+            let line = Line::new(origin, direction, max_t);
             let (truth, count) = joints.truth(&line, is_one_sided);
             let outcome = match (&truth, count) {
                 (None, _) => "miss",
@@ -205,7 +204,7 @@ impl Tally {
                 let t_lower = of_kind.iter().map(|found| found.t_lower).fold(f64::INFINITY, f64::min);
                 let nearest = of_kind.into_iter().min_by(|p, q| p.t.total_cmp(&q.t)).expect("a surface");
                 let first = RayHit { t_lower, ..nearest };
-                if let Some(wrong) = fault(&line, truth.as_ref(), &first, is_ray) {
+                if let Some(wrong) = fault(truth.as_ref(), &first, is_ray) {
                     let what = format!("{wrong}: {first:?}, {ray:?}, max_t {max_t}, truth {truth:?}");
                     self.wrong.push(format!("joints, --seed {seed} --first {index}, ray {round}: {what}"));
                 }
@@ -215,13 +214,13 @@ impl Tally {
 }
 
 /// The fault of an answer, if it has one.
-fn fault(line: &Line, truth: Option<&Fraction>, found: &RayHit, is_ray: bool) -> Option<&'static str> {
+pub(super) fn fault(truth: Option<&Fraction>, found: &RayHit, is_ray: bool) -> Option<&'static str> {
     use std::cmp::Ordering::{Greater, Less};
     let Some(truth) = truth else { return found.hit.then_some("nothing is there") };
     match () {
         () if !found.hit => Some("a hit is missing"),
-        () if line.compare(truth, found.t_lower) == Less => Some("too late"),
-        () if line.compare(truth, found.t_upper) == Greater => Some("too early"),
+        () if truth.compare(found.t_lower) == Less => Some("too late"),
+        () if truth.compare(found.t_upper) == Greater => Some("too early"),
         () if found.status == Status::Touching => Some("not certain"),
         // At slivers, the intervals of casts may be wide.
         () if is_ray && found.status == Status::Stalled => Some("wide"),

@@ -3,46 +3,35 @@
 //! | module | contents |
 //! |---|---|
 //! | [`scene`] | meshes of all kinds, and bodies beside them |
-//! | [`exact`] | truths in integers, where all coordinates are whole |
 //! | [`joints`] | rays at edges, vertices and seams of meshes, fields and parts |
-//! | [`rational`] | truths of rays in rational numbers, for any coordinates |
 //! | [`manifolds`] | manifolds of bodies of all kinds: every point is on both surfaces |
 //!
-//! Truths in f64 have a slack for their own rounding error. Where a truth is within it, and the
-//! coordinates are whole, integers decide; other such cases are counted as unsure.
+//! Truths of rays are exact. Truths in f64 have a slack for their own rounding error. Where a truth
+//! is within it, and the coordinates are whole, f64 decides exactly; other such cases are counted
+//! as unsure.
 
-pub mod exact;
 pub mod joints;
 pub mod manifolds;
-pub mod rational;
 pub mod scene;
+mod tally;
 
 use std::cmp::Ordering;
-use std::collections::BTreeMap;
-use std::fmt;
 
 use glam::DVec3;
 use hullmap::compound::surface_distance;
 use hullmap::{Cache, CastSettings, Contact, Motion, Overlap, Ray, Settings};
-use hullmap_testkit::depth::signed_depth_by_points;
+use hullmap_testkit::depth::{gap_of_whole, signed_depth_by_points};
+use hullmap_testkit::entry::passage_by_points;
 use hullmap_testkit::gap::distance_by_features;
+use hullmap_testkit::ray::{Fraction, Line};
 use hullmap_testkit::triangles::{distance_from_triangle, winding};
 use shapes::rng::SplitMix64;
 
-use exact::Whole;
 use scene::{Body, Kind, Scene};
+pub use tally::Tally;
 
 /// Number of queries of each kind in a scene.
 const QUERIES: u64 = 40;
-
-/// Counts over all scenes.
-#[derive(Debug, Default)]
-pub struct Tally {
-    /// Number of queries of each kind, with a short outcome.
-    pub counts: BTreeMap<(&'static str, &'static str), u64>,
-    /// Wrong answers, in words.
-    pub wrong: Vec<String>,
-}
 
 impl Tally {
     /// Judges the queries of the scene with this index.
@@ -56,22 +45,10 @@ impl Tally {
             judge.pair(&body);
             judge.cast(&body, &mut rng);
             judge.ray(&mut rng);
-            judge.point(&mut rng);
+            // Two of the kinds are closed.
+            let points = if matches!(kind, Kind::Closed | Kind::Round) { 12 } else { 1 };
+            (0..points).for_each(|_| judge.point(&mut rng));
         }
-    }
-
-    /// Number of queries judged.
-    pub fn queries(&self) -> u64 {
-        self.counts.values().sum()
-    }
-}
-
-impl fmt::Display for Tally {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for ((query, outcome), count) in &self.counts {
-            writeln!(f, "{query:>16} {outcome:<12} {count:>9}")?;
-        }
-        write!(f, "{} queries, {} wrong", self.queries(), self.wrong.len())
     }
 }
 
@@ -79,23 +56,6 @@ struct Judge<'s> {
     tally: &'s mut Tally,
     scene: &'s Scene,
     name: String,
-}
-
-/// Range of the time of the first meeting: from the earliest possible time to the time of the first
-/// certain meeting.
-#[derive(Clone, Copy)]
-struct First {
-    possible: f64,
-    certain: f64,
-}
-
-impl First {
-    const NEVER: Self = Self { possible: f64::INFINITY, certain: f64::INFINITY };
-
-    fn add(&mut self, possible: f64, certain: f64) {
-        self.possible = self.possible.min(possible);
-        self.certain = self.certain.min(certain);
-    }
 }
 
 impl Judge<'_> {
@@ -109,16 +69,6 @@ impl Judge<'_> {
         }
     }
 
-    /// A point in units, if the coordinates are whole.
-    fn whole(&self, point: DVec3) -> Whole {
-        (point / self.scene.unit).to_array().map(|c| c as i128)
-    }
-
-    /// Twice the coordinates, which are halves.
-    fn doubled(&self, point: DVec3) -> Whole {
-        (point * 2.0 / self.scene.unit).to_array().map(|c| c as i128)
-    }
-
     /// Distance, overlap and contacts of a body.
     fn pair(&mut self, body: &Body) {
         let (scene, settings) = (self.scene, Settings::default());
@@ -127,8 +77,8 @@ impl Judge<'_> {
         let depths: Vec<f64> = scene.triangles.iter().map(|corners| self.depth(corners, body)).collect();
         let deepest = depths.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let exact = body.is_exact.then(|| {
-            let solid: Vec<Whole> = body.points.iter().map(|p| self.whole(*p)).collect();
-            scene.triangles.iter().map(|corners| exact::gap(&corners.map(|c| self.whole(c)), &solid)).min()
+            let solid: Vec<DVec3> = body.points.iter().map(|p| *p / scene.unit).collect();
+            scene.triangles.iter().map(|corners| gap_of_whole(&corners.map(|c| c / scene.unit), &solid)).min()
         });
         let truth = match exact.flatten() {
             Some(Ordering::Greater) => "apart",
@@ -204,6 +154,10 @@ impl Judge<'_> {
                 }
             }
         }
+        let deepest = hullmap::contact(&scene.mesh, &hull, body.pose, settings, &mut Cache::new());
+        let expected = seen.iter().flatten().map(|found| found.depth).reduce(f64::max);
+        let is_deepest = expected.map_or(!deepest.hit, |depth| (deepest.depth - depth).abs() <= 1e-9 * scene.unit);
+        self.check(is_deepest, || format!("contact: {deepest:?}, the deepest triangle is {expected:?} deep"));
     }
 
     fn ray(&mut self, rng: &mut SplitMix64) {
@@ -211,24 +165,12 @@ impl Judge<'_> {
         let (origin, target) = (scene.point(rng), scene.point(rng));
         let dir = target - origin;
         let Ok(ray) = Ray::new(origin, dir) else { return };
-        let mut first = First::NEVER;
-        let is_whole = [origin, target].iter().all(|p| (*p * 2.0 / scene.unit).fract() == DVec3::ZERO);
-        for corners in &scene.triangles {
-            if scene.kind.is_whole() && is_whole {
-                let corners = corners.map(|c| self.doubled(c));
-                match exact::entry(&corners, self.doubled(origin), self.doubled(dir)) {
-                    (Some(t), _) => first.add(t, t),
-                    // In the plane: nothing is claimed.
-                    (None, true) => first.add(0.0, f64::INFINITY),
-                    (None, false) => {}
-                }
-            } else {
-                let (possible, certain) = crossing(&ray, *corners, scene.slack);
-                first.add(possible, certain);
-            }
-        }
+        let line = Line::new(origin, dir, f64::INFINITY);
+        let truth = scene.triangles.iter().filter_map(|corners| line.meet(*corners)).reduce(Fraction::min);
         let found = hullmap::ray(&scene.mesh, &ray, &CastSettings::default());
-        self.judge_first("ray", first, found.hit, [found.t_lower, found.t_upper], || format!("{found:?}, {ray:?}"));
+        self.count("ray", if truth.is_some() { "hit" } else { "miss" });
+        let fault = joints::fault(truth.as_ref(), &found, true);
+        self.check(fault.is_none(), || format!("ray: {fault:?}: {found:?}, {ray:?}, truth {truth:?}"));
     }
 
     fn cast(&mut self, body: &Body, rng: &mut SplitMix64) {
@@ -240,41 +182,34 @@ impl Judge<'_> {
         let velocity = -away * rng.between(0.5, 3.0) + DVec3::from_array(rng.direction()) * scene.unit * rng.unit();
         let Ok(motion) = Motion::new(velocity) else { return };
         let points: Vec<DVec3> = hull.vertices().map(|v| start.transform_point(v.as_dvec3())).collect();
-        let mut first = First::NEVER;
+        // The earliest time at which it may meet a triangle, and the time at which it certainly
+        // does.
+        let (mut possible, mut certain) = (f64::INFINITY, f64::INFINITY);
         for corners in &scene.triangles {
-            let (possible, certain) = meeting(corners, &points, velocity, scene.slack);
-            first.add(possible, certain);
+            let passage = passage_by_points(corners, &points, velocity, scene.slack);
+            let [earliest, latest] = passage.enter.map(|t| t.max(0.0));
+            if !passage.certainly_misses(f64::INFINITY) {
+                possible = possible.min(earliest);
+            }
+            if passage.certainly_hits(f64::INFINITY) {
+                certain = certain.min(latest);
+            }
         }
-        let cache = &mut Cache::new();
-        let found = hullmap::cast(&scene.mesh, &hull, start, motion, &CastSettings::default(), cache);
-        self.judge_first("cast", first, found.hit, [found.t_lower, found.t_upper], || {
-            format!("{found:?}, {start:?}, {motion:?}")
-        });
-    }
-
-    /// Judges the first hit of a ray or a cast.
-    fn judge_first(
-        &mut self,
-        query: &'static str,
-        first: First,
-        is_hit: bool,
-        [lower, upper]: [f64; 2],
-        what: impl Fn() -> String,
-    ) {
-        let First { possible, certain } = first;
         let outcome = match (possible < f64::INFINITY, certain < f64::INFINITY) {
             (false, _) => "miss",
             (true, true) => "hit",
             (true, false) => "unsure",
         };
-        self.count(query, outcome);
-        let slack = 1e-9 * (1.0 + certain.min(1e9));
-        let describe = |wrong: &str| format!("{query}: {wrong}: {}, from {possible} to {certain}", what());
-        self.check(is_hit || outcome != "hit", || describe("a hit is missing"));
-        self.check(!is_hit || outcome != "miss", || describe("nothing is there"));
-        if is_hit {
-            self.check(lower <= certain + slack, || describe("too late"));
-            self.check(possible - 1e-9 * (1.0 + possible.min(1e9)) <= upper, || describe("too early"));
+        self.count("cast", outcome);
+        let found = hullmap::cast(&scene.mesh, &hull, start, motion, &CastSettings::default(), &mut Cache::new());
+        let slack = |t: f64| 1e-9 * (1.0 + t.min(1e9));
+        let what =
+            |wrong: &str| format!("cast: {wrong}: {found:?}, {start:?}, {motion:?}, from {possible} to {certain}");
+        self.check(found.hit || outcome != "hit", || what("a hit is missing"));
+        self.check(!found.hit || outcome != "miss", || what("nothing is there"));
+        if found.hit {
+            self.check(found.t_lower <= certain + slack(certain), || what("too late"));
+            self.check(possible - slack(possible) <= found.t_upper, || what("too early"));
         }
     }
 
@@ -302,84 +237,15 @@ impl Judge<'_> {
         };
         self.count("signed distance", outcome);
         let truth = if is_inside && !is_on { -nearest } else { nearest };
+        let on = scene.triangles.get(found.part as usize).map_or(f64::NAN, |c| distance_from_triangle(*c, found.point));
+        let toward = (point - found.point).normalize_or_zero() * if is_inside { -1.0 } else { 1.0 };
+        let is_along = nearest < 1e-6 * scene.unit || found.normal.distance(toward) < 1e-5;
         let is_right = found.lower <= truth + scene.slack && truth <= found.upper + scene.slack;
-        self.check(is_right, || format!("signed distance of {point}: {found:?}, truth {truth}, {turns} turns"));
+        self.check(is_right && on < 1e-9 * scene.unit && is_along, || {
+            format!("signed distance of {point}: {found:?}, truth {truth}, {turns} turns")
+        });
         self.check(is_on || (found.distance < 0.0) == is_inside, || {
             format!("signed distance of {point}: wrong sign: {found:?}, truth {truth}, {turns} turns")
         });
     }
-}
-
-/// The earliest t at which a ray may cross a triangle, and the t at which it certainly does.
-fn crossing(ray: &Ray, [a, b, c]: [DVec3; 3], slack: f64) -> (f64, f64) {
-    const NEVER: (f64, f64) = (f64::INFINITY, f64::INFINITY);
-    let (normal, dir) = ((b - a).cross(c - a).normalize(), ray.direction());
-    let (slope, height) = (normal.dot(dir), normal.dot(a - ray.origin()));
-    // Rounding error, which is larger for the normal of a needle.
-    let longest = (b - a).length().max(c.distance(a));
-    let sine = (b - a).cross(c - a).length() / (longest * longest);
-    let error = slack / sine.min(1.0);
-    if slope.abs() <= 1e-6 * dir.length() {
-        // Nearly in the plane: nothing is claimed.
-        return (0.0, f64::INFINITY);
-    }
-    let t = height / slope;
-    let off = (error + 1e-12 * dir.length() * t.abs()) / slope.abs();
-    let point = ray.origin() + t * dir;
-    let margin = 1e3 * error + off * dir.length();
-    let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| (q - p).normalize().cross(point - p).dot(normal));
-    if sides.iter().any(|side| *side < -margin) || t < -off {
-        NEVER
-    } else if sides.iter().all(|side| *side > margin) && t > off {
-        (t - off, t + off)
-    } else {
-        ((t - off).max(0.0), f64::INFINITY)
-    }
-}
-
-/// The earliest time at which a body that moves may meet a triangle, and the time at which it
-/// certainly does: when it is in the slabs of all axes.
-fn meeting(triangle: &[DVec3; 3], body: &[DVec3], velocity: DVec3, slack: f64) -> (f64, f64) {
-    let [a, b, c] = *triangle;
-    let sides = [b - a, c - b, a - c];
-    let (mut enter, mut leave) = ([0.0_f64; 2], [f64::INFINITY; 2]);
-    let mut clip = |axis: DVec3, scale: f64| {
-        // Parallel edges span nothing.
-        if axis.length() <= 1e-9 * scale {
-            return;
-        }
-        let axis = axis.normalize();
-        let range = |points: &[DVec3]| {
-            let heights = || points.iter().map(|p| axis.dot(*p - a));
-            [heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max)]
-        };
-        let ([low, high], [least, most]) = (range(triangle), range(body));
-        let speed = axis.dot(velocity);
-        // With the slack added, and taken away.
-        for (i, slack) in [slack, -slack].into_iter().enumerate() {
-            let (until, from) = (high + slack - least, low - slack - most);
-            if speed.abs() <= 1e-12 * velocity.length() {
-                if until < 0.0 || from > 0.0 {
-                    enter[i] = f64::INFINITY;
-                }
-                continue;
-            }
-            let [p, q] = [from / speed, until / speed];
-            enter[i] = enter[i].max(p.min(q));
-            leave[i] = leave[i].min(p.max(q));
-        }
-    };
-    clip(sides[0].cross(sides[1]), sides[0].length() * sides[1].length());
-    for (i, p) in body.iter().enumerate() {
-        for (j, q) in body.iter().enumerate().take(i) {
-            for side in sides {
-                clip(side.cross(*p - *q), side.length() * p.distance(*q));
-            }
-            for r in body.iter().take(j) {
-                clip((*p - *q).cross(*p - *r), p.distance(*q) * p.distance(*r));
-            }
-        }
-    }
-    let time = |i: usize| if enter[i] <= leave[i] { enter[i] } else { f64::INFINITY };
-    (time(0), time(1))
 }

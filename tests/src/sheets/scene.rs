@@ -1,5 +1,7 @@
 //! Triangle meshes of all kinds, and bodies beside them.
 
+use std::f64::consts::PI;
+
 use glam::{DQuat, DVec3};
 use hullmap::{Pack, Pose, TriangleMesh};
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
@@ -25,12 +27,23 @@ pub enum Kind {
     Huge,
     /// Closed boxes that overlap, with whole coordinates.
     Closed,
+    /// A closed sphere of triangles, rough, thin or hollow.
+    Round,
 }
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 8] =
-        [Self::Random, Self::Flat, Self::Needle, Self::Tied, Self::Far, Self::Tiny, Self::Huge, Self::Closed];
+    pub const ALL: [Self; 9] = [
+        Self::Random,
+        Self::Flat,
+        Self::Needle,
+        Self::Tied,
+        Self::Far,
+        Self::Tiny,
+        Self::Huge,
+        Self::Closed,
+        Self::Round,
+    ];
 
     /// Whether all coordinates are small whole numbers times the unit.
     pub fn is_whole(self) -> bool {
@@ -88,6 +101,7 @@ impl Scene {
             Kind::Flat => corners = flat_square(1 + rng.below(4)),
             Kind::Closed => corners = (0..1 + rng.below(3)).flat_map(|_| block(&mut rng)).collect(),
             Kind::Huge => corners.extend(long(&mut rng)),
+            Kind::Round => corners = sphere(&mut rng),
             _ => {}
         }
         let placed = |corner: DVec3| (origin + corner * unit).as_vec3().to_array();
@@ -186,6 +200,34 @@ fn block(rng: &mut SplitMix64) -> Vec<[DVec3; 3]> {
     };
     let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     sides.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).map(|t| t.map(corner)).collect()
+}
+
+/// A sphere of triangles, its vertices moved at random, or pressed flat; or with a cavity, whose
+/// fronts are inwards.
+fn sphere(rng: &mut SplitMix64) -> Vec<[DVec3; 3]> {
+    let (rings, rough) = (2 + rng.below(3), [0.0, 0.4][rng.below(2)]);
+    let thin = [1.0, 1.0, 1e-3][rng.below(3)];
+    let around = 2 * rings;
+    let mut grid = vec![vec![DVec3::NEG_Z * thin; around]];
+    for ring in 1..rings {
+        let angle = PI * ring as f64 / rings as f64;
+        let mut at = |i: usize| {
+            let turn = 2.0 * PI * i as f64 / around as f64;
+            let place = DVec3::new(angle.sin() * turn.cos(), angle.sin() * turn.sin(), -angle.cos() * thin);
+            place * (1.0 + rough * rng.unit())
+        };
+        grid.push((0..around).map(&mut at).collect());
+    }
+    grid.push(vec![DVec3::Z * thin; around]);
+    let mut corners = Vec::new();
+    for (ring, i) in (0..rings).flat_map(|ring| (0..around).map(move |i| (ring, i))) {
+        let [a, b] = [i, (i + 1) % around].map(|i| grid[ring][i]);
+        let [d, c] = [i, (i + 1) % around].map(|i| grid[ring + 1][i]);
+        corners.extend([[a, b, c], [a, c, d]].into_iter().filter(|[a, b, c]| a != b && b != c && c != a));
+    }
+    let outer = corners.iter().map(|t| t.map(|corner| corner * 2.0));
+    let inner = corners.iter().map(|[a, b, c]| [*b, *a, *c]);
+    if rng.below(3) == 0 { outer.chain(inner).collect() } else { outer.collect() }
 }
 
 /// A triangle of up to 10 km through the origin, nearly.

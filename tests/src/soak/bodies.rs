@@ -27,10 +27,11 @@ const FAR_SIZES: f64 = 50.0;
 const THICKNESSES: [f64; 5] = [1e-2, 1e-4, 1e-6, 2e-7, 1e-8];
 
 /// Families of shapes, and the numbers of points of each.
-const FAMILIES: [(Family, &[usize]); 9] = [
-    (Family::Sphere, &[8, 30, 128]),
-    (Family::ClusteredEllipsoid, &[20]),
-    (Family::Rock, &[30]),
+const FAMILIES: [(Family, &[usize]); 10] = [
+    (Family::Sphere, &[8, 30, 128, 2_000]),
+    (Family::ClusteredEllipsoid, &[20, 128]),
+    (Family::Rock, &[30, 400]),
+    (Family::UvSphere, &[14, 62]),
     (Family::Prism, &[8, 13, 64, 200]),
     (Family::RotatedPrism, &[13, 64]),
     (Family::Cone, &[20]),
@@ -115,6 +116,12 @@ impl Stock {
         let bytes = hullmap_bake::write_pack(&baked, &SourceRecord::default()).expect("there are hulls");
         Self { pack: Pack::from_bytes(&bytes).expect("a written pack opens"), kinds, rejected }
     }
+
+    /// The hull with this name.
+    pub fn hull(&self, name: &str) -> Option<Hull<'_>> {
+        let index = self.kinds.iter().position(|(_, known)| known == name)?;
+        self.pack.hull(index).ok()
+    }
 }
 
 /// Generated point sets of about unit size.
@@ -125,6 +132,10 @@ fn generated() -> Vec<(Kind, String, Vec<[f64; 3]>)> {
             let points = family.points(n, n as u64).into_iter().map(|p| p.map(f64::from)).collect();
             sets.push((Kind::Family, format!("{} {n}", family.name()), points));
         }
+    }
+    for n in [4, 5, 6] {
+        let points = Family::Sphere.points(8, n as u64).into_iter().take(n).map(|p| p.map(f64::from));
+        sets.push((Kind::Family, format!("{n} points of a sphere"), points.collect()));
     }
     let mut rng = SplitMix64::new(0x51);
     for thickness in THICKNESSES {

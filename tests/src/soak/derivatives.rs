@@ -16,7 +16,13 @@ use glam::{DQuat, DVec3};
 use hullmap::{
     Cache, CastSettings, Differentiability, Hull, Motion, Pose, Ray, Settings, cast, contact, distance, ray,
 };
-use hullmap_testkit::{depth::signed_depth, entry::passage, gap::gap, polytope::Polytope};
+use hullmap_testkit::{
+    depth::signed_depth,
+    entry::{passage, passage_of_point},
+    gap::gap,
+    polytope::Polytope,
+    reach::Reach,
+};
 use shapes::rng::SplitMix64;
 
 use super::bodies::BodyPair;
@@ -159,7 +165,8 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
                 // The frame of the ray has its origin at the ray's.
                 let turned = poses[1].rotation() * rotation.conjugate();
                 let origin = point + (poses[1].translation() - b_in_a.translation());
-                entry_of_ray(&a, origin, turned * aim)
+                let offsets: Vec<f64> = a.normals.iter().map(|n| a.reach(*n)).collect();
+                passage_of_point(&a, &offsets, origin, turned * aim, 0.0).enter[0]
             } else {
                 passage(&a, &b.placed(poses[1]), aim, 0.0).enter[0]
             }
@@ -203,13 +210,6 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     *judge.tally.lines.entry(kind).or_default() += 1;
     *judge.tally.lines.entry(what).or_default() += 1;
     judge.finish(pair, || format!("{kind} {b_in_a:?} {found:?}"));
-}
-
-/// The t at which a ray enters a polytope: the latest of the planes that it enters through.
-fn entry_of_ray(hull: &Polytope, origin: DVec3, direction: DVec3) -> f64 {
-    let offset = |n: &DVec3| hull.points.iter().map(|p| p.dot(*n)).fold(f64::NEG_INFINITY, f64::max);
-    let enters = hull.normals.iter().filter(|n| n.dot(direction) < 0.0);
-    enters.map(|n| (offset(n) - n.dot(origin)) / n.dot(direction)).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Judges the derivatives of the normal and the points of a distance or a depth.

@@ -11,7 +11,7 @@
 //! | upper bound of the distance | the reported points are inside their shapes, and no farther apart |
 //!
 //! The tested directions are the normals of other answers; for some pairs also all face normals,
-//! and for a few also all facets of the Minkowski difference.
+//! and all facets of the Minkowski difference.
 //!
 //! Also: numbers are finite, intervals in order, statuses agree with the interval's width, and the
 //! three queries do not contradict each other.
@@ -64,14 +64,12 @@ const FALSE_TOUCH: f64 = 1e-8;
 /// because rounded shapes are solved twice.
 const MAX_STEPS: u32 = 2 * 1600;
 
-/// One pair out of this many is also checked against all face normals.
-const NORMALS_INTERVAL: u64 = 16;
+/// One pair out of this many is also checked against all face normals, and against all facets of
+/// the Minkowski difference.
+const FACETS_INTERVAL: u64 = 16;
 
-/// One pair out of this many is also checked against all facets of the Minkowski difference.
-const FACETS_INTERVAL: u64 = 1024;
-
-/// Maximum number of edges for which all facets are tested.
-const MAX_EDGES: usize = 400;
+/// Maximum product of the numbers of edges for which all facets are tested.
+const MAX_EDGE_PAIRS: usize = 1_000_000;
 
 /// The solver's answers about a pair.
 #[derive(Clone, Copy, Debug)]
@@ -145,10 +143,8 @@ pub(super) fn judge_pair(pair: &BodyPair<'_, '_>, tally: &mut Tally) {
     }
     let scene = Scene::new(a, b, pair.b_in_a);
     scene.judge(pair, "cold", &answers, tally);
-    if index.is_multiple_of(NORMALS_INTERVAL) {
-        scene.judge_by_normals(pair, &answers, tally);
-    }
     if index.is_multiple_of(FACETS_INTERVAL) {
+        scene.judge_by_normals(pair, &answers, tally);
         scene.judge_by_facets(pair, &answers, tally);
     }
     match index % 4 {
@@ -477,7 +473,7 @@ impl<'s, 'p> Scene<'s, 'p> {
             return;
         }
         let (a, b) = (Polytope::new(a), Polytope::new(b).placed(self.b_in_a));
-        if a.edges.len().max(b.edges.len()) > MAX_EDGES {
+        if a.edges.len() * b.edges.len() > MAX_EDGE_PAIRS {
             return;
         }
         tally.facets += 1;
@@ -521,5 +517,55 @@ impl<'s, 'p> Scene<'s, 'p> {
         };
         let more = format!("mirrored {there:?}");
         self.wrong(pair, what, "cold", here, more, tally);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::soak::bodies::{Bodies, Stock};
+
+    /// Changed answers are wrong: the certificates are no formality.
+    #[test]
+    fn wrong_answers_are_found() {
+        let stock = Stock::bake(&[], 1);
+        let bodies = Bodies::new(&stock);
+        let (mut hits, mut apart) = (0, 0);
+        for index in 0..600 {
+            let pair = bodies.pair(20_261_121, index);
+            let [a, b] = pair.bodies;
+            let right = Answers::to(a, b, pair.b_in_a, &mut Caches::default());
+            let scene = Scene::new(a, b, pair.b_in_a);
+            let wrong = |change: &dyn Fn(&mut Answers)| {
+                let (mut answers, mut tally) = (right, Tally::default());
+                change(&mut answers);
+                scene.certify(&pair, "changed", &answers, &mut tally);
+                !tally.wrong.is_empty()
+            };
+            assert!(!wrong(&|_| {}), "{pair}");
+            // Far from touching, compared with the tolerance of the certificates.
+            let clear = 1e5 * (scene.slack + scene.hair);
+            if right.deep.depth_lower > clear && right.deep.status == Status::Exact {
+                hits += 1;
+                assert!(wrong(&|answers| answers.deep.hit = false), "{pair}");
+                for factor in [1.0 - 1e-3, 1.0 + 1e-3] {
+                    let scale = |c: &mut Contact| {
+                        (c.depth_lower, c.depth) = (c.depth_lower * factor, c.depth * factor);
+                        c.depth_upper *= factor;
+                    };
+                    assert!(wrong(&|answers| scale(&mut answers.deep)), "{pair}: a depth times {factor}");
+                }
+            } else if right.near.lower > clear && right.near.status == Status::Exact {
+                apart += 1;
+                assert!(wrong(&|answers| answers.deep.normal = -answers.deep.normal), "{pair}");
+                for factor in [1.0 - 1e-3, 1.0 + 1e-3] {
+                    let scale = |d: &mut Distance| {
+                        (d.lower, d.distance, d.upper) = (d.lower * factor, d.distance * factor, d.upper * factor);
+                    };
+                    assert!(wrong(&|answers| scale(&mut answers.near)), "{pair}: a distance times {factor}");
+                }
+            }
+        }
+        assert!(hits > 50 && apart > 30, "{hits} {apart}");
     }
 }

@@ -38,6 +38,9 @@ const MAX_EDGE_PAIRS: usize = 10_000;
 /// Inner radius of a body, relative to its outer radius, below which it is thin.
 const THIN: f64 = 1e-4;
 
+/// Maximum width of an exact interval, as a height above a plane, relative to the outer radii.
+const EXACT: f64 = 1e-9;
+
 /// Maximum number of steps of a cast; rounded shapes need a search of its own at each step.
 const MAX_STEPS: u32 = 20_000;
 
@@ -126,8 +129,9 @@ fn settings(rng: &mut SplitMix64, path: &Path) -> CastSettings {
     CastSettings { max_t: path.limit, tolerance, ..CastSettings::default() }
 }
 
-/// The claims that need no second shape.
-fn judge_form(judge: &mut Claims<'_>, answer: &Answer, path: &Path) {
+/// The claims that need no second shape. `radii` is the outer radius of the shape, or the sum of
+/// both.
+fn judge_form(judge: &mut Claims<'_>, answer: &Answer, path: &Path, settings: &CastSettings, radii: f64) {
     let Answer { hit, status, t: [lower, t, upper], normal, steps } = *answer;
     *judge.tally.lines.entry(status.as_str()).or_default() += 1;
     judge.demand("the steps are not bounded", steps <= MAX_STEPS);
@@ -137,6 +141,15 @@ fn judge_form(judge: &mut Claims<'_>, answer: &Answer, path: &Path) {
         judge.demand("t is not in its own interval", 0.0 <= lower && lower <= t && t <= upper);
         judge.demand("the lower bound is beyond the limit", lower <= path.limit);
         judge.demand("an interval without end", upper < f64::INFINITY);
+        let (width, speed) = (upper - lower, path.velocity.length());
+        if status == Status::Within {
+            judge.at_most("wider than the tolerance", width * speed, settings.tolerance * radii, path.slack);
+        }
+        // Rounding errors of a height above a plane, and of baked vertices.
+        if status == Status::Exact {
+            let height = width * normal.dot(path.velocity).abs();
+            judge.at_most("an exact time is wide", height, EXACT * radii, 100.0 * path.slack);
+        }
     } else {
         judge.demand("a miss at a finite time", lower == f64::INFINITY);
     }
@@ -184,7 +197,7 @@ pub(super) fn judge_ray(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &m
         steps: found.iterations.max(found.support_calls),
     };
     let mut judge = Claims { wrong: None, tightest: 0.0, queries: "rays", tally };
-    judge_form(&mut judge, &answer, &path);
+    judge_form(&mut judge, &answer, &path, &settings, shape.outer_radius());
     let as_impact = |found: RayHit| {
         let RayHit { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = found;
         Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, ..Impact::default() }
@@ -258,7 +271,7 @@ pub(super) fn judge_cast(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &
         steps: found.iterations.max(found.support_calls),
     };
     let mut judge = Claims { wrong: None, tightest: 0.0, queries: "casts", tally };
-    judge_form(&mut judge, &answer, &path);
+    judge_form(&mut judge, &answer, &path, &settings, a.shape().outer_radius() + b.shape().outer_radius());
     if is_cold {
         same_when_slow(&mut judge, rng, &found, path.velocity, &settings, |velocity, settings| {
             let motion = Motion::new(velocity).expect("finite");
@@ -375,6 +388,8 @@ pub(super) fn judge_point(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: 
         let along = (point - found.point).dot(found.normal);
         judge.at_most("the point is farther than the distance", along, found.upper, slack_along);
         judge.at_most("the point is nearer than the distance", found.lower, along, slack_along);
+        let tolerance = if found.status == Status::Within { settings.tolerance * found.distance.abs() } else { 0.0 };
+        judge.at_most("a distance is wide", width, tolerance + EXACT * size(body), slack_along);
     }
     let mut highest = height(found.normal);
     let planes = model.planes();

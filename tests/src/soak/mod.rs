@@ -1,9 +1,9 @@
 //! The solver on millions of pairs. Each answer is verified by a certificate.
 //!
-//! A reference answer of [`truth`](crate::truth) costs a millisecond per pair; a certificate costs
-//! a microsecond. Each answer comes with evidence (an axis, a normal, points that both shapes
-//! share), and brute force over vertices and face planes verifies it. The certificates are written
-//! from the shapes' definitions, without the solver's code and the shapes' support mappings.
+//! The exact depth of a pair costs milliseconds; a certificate costs a microsecond. Each answer
+//! comes with evidence (an axis, a normal, points that both shapes share), and brute force over vertices
+//! and face planes verifies it. The certificates are written from the shapes' definitions, without
+//! the solver's code and the shapes' support mappings.
 //!
 //! | module | what |
 //! |---|---|

@@ -57,7 +57,13 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
         hullmap::contact(&plane, shape, pose, &settings, &mut cache);
     *judge.tally.lines.entry(status.as_str()).or_default() += 1;
     let overlap = hullmap::intersects(&plane, shape, pose, &mut cache).status;
-    judge.demand("contact and intersects contradict each other", hit == (overlap != Overlap::Separated));
+    let by_contact = match (hit, status) {
+        (false, Status::Separated) => Some(Overlap::Separated),
+        (true, Status::Touching) => Some(Overlap::Touching),
+        (true, Status::Exact) => Some(Overlap::Overlapping),
+        _ => None,
+    };
+    judge.demand("contact and intersects contradict each other", by_contact == Some(overlap));
     judge.demand("the depth is not in its interval", depth_lower <= found && found <= depth_upper);
     judge.at_most("the depth is below its interval", depth_lower, depth.max(0.0), slack);
     judge.at_most("the depth is above its interval", depth, depth_upper, slack);

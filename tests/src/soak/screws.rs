@@ -31,11 +31,12 @@
 //! Farouki, "The Bernstein polynomial basis: a centennial retrospective", 2012, for the basis. Here
 //! coefficients are multiplied by their binomials, so that a product is a convolution.
 
+use std::cmp::Ordering;
 use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
 use hullmap::{Cache, Hull, MotionSettings, Pose, RigidMotion, Settings, Status, TimeOfImpact, cast_motion, distance};
-use hullmap_testkit::packs::tree_pack;
+use hullmap_testkit::{dyadic::Dyadic, exact_depth::depth_of_points, packs::tree_pack};
 use num_bigint::{BigInt, Sign};
 use shapes::rng::SplitMix64;
 
@@ -283,56 +284,18 @@ impl Case {
     }
 
     /// Whether the hulls share a point at time `t`, where the rotation is by its half angle in
-    /// f64: by the separating axis test in integers.
+    /// f64: by their exact depth.
     fn meets(&self, t: f64) -> bool {
         let half = self.half_angle(t);
         let placed = self.placed(&Chord { half: [half; 2], times: [t; 2] });
-        let points = placed.map(|placed| {
-            let point = |p: &Vector| [0, 1, 2].map(|axis| p[axis].0[0].clone());
-            placed.at[0].iter().map(point).collect::<Vec<_>>()
+        // Scaled to about 1.
+        let bits = placed.iter().flat_map(|placed| placed.at[0].iter().flatten()).map(|c| c.0[0].bits()).max();
+        let exponent = -(bits.unwrap_or(0) as i32);
+        let [a, b] = placed.map(|placed| {
+            let point = |p: &Vector| p.each_ref().map(|c| Dyadic::scaled(c.0[0].clone(), exponent));
+            placed.at[0].iter().map(point).collect()
         });
-        let less = |p: &[BigInt; 3], q: &[BigInt; 3]| [0, 1, 2].map(|axis| &p[axis] - &q[axis]);
-        let cross =
-            |p: &[BigInt; 3], q: &[BigInt; 3]| [(1, 2), (2, 0), (0, 1)].map(|(i, j)| &p[i] * &q[j] - &p[j] * &q[i]);
-        let edges = |points: &[[BigInt; 3]]| -> Vec<[BigInt; 3]> {
-            (1..points.len())
-                .flat_map(|i| (0..i).map(move |j| (i, j)))
-                .map(|(i, j)| less(&points[i], &points[j]))
-                .collect()
-        };
-        let [edges_a, edges_b] = [&points[0], &points[1]].map(|points| edges(points));
-        // Normals of all triangles of vertices, and of all pairs of edges: all normals of the
-        // difference are among them.
-        let pairs = |p: &[[BigInt; 3]], q: &[[BigInt; 3]]| {
-            p.iter().flat_map(|e| q.iter().map(|f| cross(e, f))).collect::<Vec<_>>()
-        };
-        let axes = [pairs(&edges_a, &edges_a), pairs(&edges_b, &edges_b), pairs(&edges_a, &edges_b)];
-        let narrow =
-            points.each_ref().map(|points| points.iter().map(|p| p.each_ref().map(to_f64)).collect::<Vec<_>>());
-        !axes.iter().flatten().any(|axis| {
-            // In f64 unless it is close.
-            let excess = axis.iter().map(BigInt::bits).max().unwrap_or(0).saturating_sub(60);
-            let direction = DVec3::from_array(axis.each_ref().map(|c| to_f64(&(c >> excess)))).normalize_or_zero();
-            if direction == DVec3::ZERO {
-                return false;
-            }
-            let range = |points: &[[f64; 3]]| {
-                let heights = points.iter().map(|p| DVec3::from_array(*p).dot(direction));
-                heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| [low.min(h), high.max(h)])
-            };
-            let ([low_a, high_a], [low_b, high_b]) = (range(&narrow[0]), range(&narrow[1]));
-            let greatest = [low_a, high_a, low_b, high_b].into_iter().fold(0.0, |most: f64, h| most.max(h.abs()));
-            if low_b - high_a < -1e-9 * greatest && low_a - high_b < -1e-9 * greatest {
-                return false;
-            }
-            let range = |points: &[[BigInt; 3]]| {
-                let height = |p: &[BigInt; 3]| (0..3).map(|i| &p[i] * &axis[i]).sum::<BigInt>();
-                let heights: Vec<BigInt> = points.iter().map(height).collect();
-                (heights.iter().min().cloned(), heights.iter().max().cloned())
-            };
-            let ((low_a, high_a), (low_b, high_b)) = (range(&points[0]), range(&points[1]));
-            low_b > high_a || low_a > high_b
-        })
+        depth_of_points(a, b).sign() != Ordering::Less
     }
 
     /// The vertices during a chord, at the least and at the greatest time that belongs to u.
@@ -412,14 +375,6 @@ impl Mover {
         }
         placed
     }
-}
-
-fn to_f64(value: &BigInt) -> f64 {
-    let excess = value.bits().saturating_sub(60);
-    let high = value >> excess;
-    let (sign, digits) =
-        (if value.sign() == Sign::Minus { -1.0 } else { 1.0 }, high.magnitude().iter_u64_digits().next());
-    sign * digits.unwrap_or(0) as f64 * 2_f64.powi(excess as i32)
 }
 
 /// Random vertices of a hull with an inside.

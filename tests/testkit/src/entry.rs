@@ -8,7 +8,11 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 
-use crate::{depth::facets, polytope::Polytope, reach::way_out};
+use crate::{
+    depth::{axes, facets},
+    polytope::Polytope,
+    reach::way_out,
+};
 
 /// The times at which a moving hull enters and leaves another, each as an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,6 +66,14 @@ pub fn passage(a: &Polytope, b: &Polytope, velocity: DVec3, slack: f64) -> Passa
         passage.clip(n.dot(velocity), way_out(a, b, n), slack);
         ControlFlow::Continue(())
     });
+    passage
+}
+
+/// The passage of the hulls of a few points, which may be flat: along all [`axes`] except those of
+/// sides that are nearly parallel.
+pub fn passage_by_points(a: &[DVec3], b: &[DVec3], velocity: DVec3, slack: f64) -> Passage {
+    let mut passage = Passage::UNBOUNDED;
+    axes(a, b, 1e-9, |n| [n, -n].into_iter().for_each(|n| passage.clip(n.dot(velocity), way_out(a, b, n), slack)));
     passage
 }
 

@@ -1,5 +1,5 @@
-//! Tools that the tests of several packages share: packs baked in process, brute-force truths about
-//! pairs, and random poses.
+//! The oracle of all tests: depth, distance, time and ray by one brute force each, exact where it
+//! decides; packs baked in process; random poses.
 //!
 //! | module | contents |
 //! |---|---|
@@ -9,17 +9,19 @@
 //! | [`reach`] | how far a shape reaches in a direction, and from it the way out of a pair |
 //! | [`polytope`] | a hull as points, face normals and edges |
 //! | [`depth`] | signed depth by all facets of the Minkowski difference, and its slow twin |
+//! | [`exact_depth`] | the depth of small hulls without rounding |
 //! | [`entry`] | when a moving hull enters another, by all facets |
+//! | [`ray`] | where a ray meets a triangle or a polytope, without rounding |
+//! | [`dyadic`] | numbers and vectors without rounding |
 //! | [`faceless`] | a shape without its faces and its core |
 //! | [`gap`] | distance with a certificate, and its slow twin |
 //! | [`triangles`] | the distance of a point from a triangle, and how often a surface winds around it |
 //!
-//! Depths and distances are computed in f64 without any code of the solver. Packages use this one
-//! only as a development dependency.
+//! No truth uses code of the solver. Packages use this one only as a development dependency.
 //!
 //! # Rounding error
-//! Both truths are exact up to [`polytope::rounding_error`]. The error of a facet's normal is a few
-//! units of rounding error divided by the facet's extent. A plane that is tilted by this angle
+//! Truths in f64 are exact up to [`polytope::rounding_error`]. The error of a facet's normal is a
+//! few units of rounding error divided by the facet's extent. A plane that is tilted by this angle
 //! about the facet changes its support value by extent times tilt. So the error of even an
 //! arbitrarily thin facet is a few units of the greatest length.
 
@@ -27,11 +29,14 @@
 
 pub mod compiled;
 pub mod depth;
+pub mod dyadic;
 pub mod entry;
+pub mod exact_depth;
 pub mod faceless;
 pub mod gap;
 pub mod packs;
 pub mod polytope;
 pub mod random;
+pub mod ray;
 pub mod reach;
 pub mod triangles;

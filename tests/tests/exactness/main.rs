@@ -3,5 +3,4 @@
 mod clouds;
 mod families;
 mod proof;
-mod support;
 mod threads;

@@ -2,11 +2,9 @@
 //! manifolds.
 
 mod degenerate;
-mod facets;
 mod meshes;
 mod primitives;
-mod properties;
 mod regressions;
 mod soak;
 mod standing;
-mod truth;
+mod warm;

@@ -44,6 +44,8 @@ mod sheet;
 pub(crate) mod signed_distance;
 mod surface;
 mod traversal;
+#[cfg(test)]
+mod work;
 
 use crate::cascade;
 use crate::pose::Pose;

@@ -11,6 +11,12 @@ use super::bvh::{Child, Node, Nodes, PlacedBox, Placement};
 
 const MAX_STACK: usize = 2 * MAX_LEVELS as usize + 1;
 
+#[cfg(test)]
+thread_local! {
+    /// Number of pairs of boxes compared by all traversals of this thread.
+    pub(super) static BOXES: std::cell::Cell<u32> = const { std::cell::Cell::new(0) };
+}
+
 /// Two BVHs, and a lower bound for the pairs of hulls below two of their boxes.
 pub(super) trait BoxPairs {
     /// Facts about a box of B that do not depend on the box of A.
@@ -155,6 +161,8 @@ impl<P: BoxPairs> Traversal<P> {
         self.place(b)?;
         let (node_a, Some((_, node_b, placed))) = (self.pairs.nodes()[0].get(a)?, &self.placed) else { return None };
         self.boxes += 1;
+        #[cfg(test)]
+        BOXES.set(BOXES.get() + 1);
         let [lower_bound, order] = if node_a.child == Child::Nothing || node_b.child == Child::Nothing {
             [f64::INFINITY; 2]
         } else {

@@ -10,33 +10,24 @@ use hullmap::{
     Pose, Ray, RayHit, RigidMotion, Settings, Shape, SignedDistance, TimeOfImpact, VectorError,
 };
 
-pub fn contact(
-    a: &(dyn Shape + Sync),
-    b: &(dyn Shape + Sync),
-    b_in_a: Pose,
-    settings: &Settings,
-    cache: &mut Cache,
-) -> Contact {
+/// Any shape.
+pub type Any<'s> = dyn Shape + Sync + 's;
+
+pub fn contact(a: &Any<'_>, b: &Any<'_>, b_in_a: Pose, settings: &Settings, cache: &mut Cache) -> Contact {
     hullmap::contact(a, b, b_in_a, settings, cache)
 }
 
-pub fn distance(
-    a: &(dyn Shape + Sync),
-    b: &(dyn Shape + Sync),
-    b_in_a: Pose,
-    settings: &Settings,
-    cache: &mut Cache,
-) -> Distance {
+pub fn distance(a: &Any<'_>, b: &Any<'_>, b_in_a: Pose, settings: &Settings, cache: &mut Cache) -> Distance {
     hullmap::distance(a, b, b_in_a, settings, cache)
 }
 
-pub fn intersects(a: &(dyn Shape + Sync), b: &(dyn Shape + Sync), b_in_a: Pose, cache: &mut Cache) -> Intersection {
+pub fn intersects(a: &Any<'_>, b: &Any<'_>, b_in_a: Pose, cache: &mut Cache) -> Intersection {
     hullmap::intersects(a, b, b_in_a, cache)
 }
 
 pub fn cast(
-    a: &(dyn Shape + Sync),
-    b: &(dyn Shape + Sync),
+    a: &Any<'_>,
+    b: &Any<'_>,
     b_in_a: Pose,
     motion: Motion,
     settings: &CastSettings,
@@ -46,9 +37,9 @@ pub fn cast(
 }
 
 pub fn cast_motion(
-    a: &(dyn Shape + Sync),
+    a: &Any<'_>,
     motion_a: &RigidMotion,
-    b: &(dyn Shape + Sync),
+    b: &Any<'_>,
     motion_b: &RigidMotion,
     settings: &MotionSettings,
     cache: &mut Cache,
@@ -57,7 +48,7 @@ pub fn cast_motion(
 }
 
 pub fn signed_distance(
-    shape: &(dyn Shape + Sync),
+    shape: &Any<'_>,
     point: DVec3,
     settings: &Settings,
     cache: &mut Cache,
@@ -65,14 +56,14 @@ pub fn signed_distance(
     hullmap::signed_distance(shape, point, settings, cache)
 }
 
-pub fn ray(shape: &(dyn Shape + Sync), ray: &Ray, settings: &CastSettings) -> RayHit {
+pub fn ray(shape: &Any<'_>, ray: &Ray, settings: &CastSettings) -> RayHit {
     hullmap::ray(shape, ray, settings)
 }
 
 pub fn update(
     manifold: &mut Manifold,
-    a: &(dyn Shape + Sync),
-    b: &(dyn Shape + Sync),
+    a: &Any<'_>,
+    b: &Any<'_>,
     b_in_a: Pose,
     settings: &ManifoldSettings,
     cache: &mut Cache,

@@ -1,14 +1,15 @@
 //! Queries between whole packs, compared with their slow twin: a query of each pair of hulls.
 
-use crate::any_shape;
+use crate::{any_shape, pairings};
 use glam::{DQuat, DVec3};
 use hullmap::compound::CompoundManifolds;
-use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Segment, Sphere, Triangle};
+use hullmap::shapes::{Cuboid, HalfSpace, Sphere};
 use hullmap::{
     Cache, CastSettings, Compound, Contact, Impact, Manifold, ManifoldSettings, Motion, Overlap, Pack, Pose,
     Prediction, Ray, RayHit, Settings, Shape, Status, SupportMap,
 };
-use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+use hullmap_bake::{IndexKind, SourceRecord};
+use hullmap_testkit::packs::{self, point_set};
 use hullmap_testkit::{gap::distance_by_features, polytope::Polytope, random::RandomPoses, reach::Reach};
 use shapes::{families::Family, rng::SplitMix64};
 use std::collections::BTreeMap;
@@ -19,20 +20,27 @@ const SEED: u64 = 0xc0_11de;
 /// with holes.
 pub(crate) fn pack(count: usize, radius: f64, seed: u64) -> Pack {
     let mut rng = SplitMix64::new(seed);
-    let hulls: Vec<_> = (0..count)
-        .map(|number| {
-            let place = rng.direction().map(|c| c * radius * rng.between(0.3, 1.0));
-            let family = [Family::Rock, Family::CubeGrid, Family::Lens, Family::Cone][number % 4];
-            let size = 0.15 + 0.25 * rng.between(0.0, 1.0);
-            let points = family.points(40, number as u64);
-            let positions: Vec<[f32; 3]> =
-                points.iter().map(|p| std::array::from_fn(|i| (f64::from(p[i]) * size + place[i]) as f32)).collect();
-            let source_vertices = (0..positions.len() as u32).collect();
-            let set = PointSet { name: number.to_string(), positions, source_vertices, ..PointSet::default() };
-            bake_hull(&set, IndexKind::Tree).unwrap()
+    let parts = (0..count).map(|number| {
+        let place = rng.direction().map(|c| c * radius * rng.between(0.3, 1.0));
+        let family = [Family::Rock, Family::CubeGrid, Family::Lens, Family::Cone][number % 4];
+        (family.points(40, number as u64), 0.15 + 0.25 * rng.between(0.0, 1.0), place)
+    });
+    of_parts(parts)
+}
+
+/// Points, and their size and place.
+type Placed = (Vec<[f32; 3]>, f64, [f64; 3]);
+
+/// A pack of these parts.
+fn of_parts(parts: impl Iterator<Item = Placed>) -> Pack {
+    let sets: Vec<_> = parts
+        .enumerate()
+        .map(|(number, (points, size, place))| {
+            let placed = |p: &[f32; 3]| std::array::from_fn(|i| (f64::from(p[i]) * size + place[i]) as f32);
+            point_set(&number.to_string(), &points.iter().map(placed).collect::<Vec<_>>())
         })
         .collect();
-    Pack::from_bytes(&write_pack(&hulls, &SourceRecord::default()).unwrap()).unwrap()
+    Pack::from_bytes(&packs::bytes(&sets, IndexKind::Tree, &SourceRecord::default()).unwrap()).unwrap()
 }
 
 fn poses(count: usize, reach: f64, seed: u64) -> Vec<Pose> {
@@ -208,31 +216,16 @@ fn a_stale_cache_never_changes_an_answer() {
     }
 }
 
-fn single_shapes(pack: &Pack) -> Vec<(&'static str, Box<dyn Shape + Sync + '_>)> {
-    let corners = [DVec3::new(0.8, -0.2, 0.1), DVec3::new(-0.3, 0.9, 0.2), DVec3::new(-0.2, -0.4, -0.7)];
-    vec![
-        ("sphere", Box::new(Sphere::new(0.5).unwrap())),
-        ("box", Box::new(Cuboid::new(DVec3::new(0.9, 0.2, 0.4)).unwrap())),
-        ("capsule", Box::new(Capsule::between(corners[0], corners[1], 0.2).unwrap())),
-        ("cylinder", Box::new(Cylinder::new(0.7, 0.3).unwrap())),
-        ("cone", Box::new(Cone::new(0.6, 0.4).unwrap())),
-        ("segment", Box::new(Segment::new(corners[0], corners[1]).unwrap())),
-        ("triangle", Box::new(Triangle::new(corners).unwrap())),
-        ("hull", Box::new(pack.hull(0).unwrap())),
-        ("rounded hull", Box::new(Rounded::new(pack.hull(1).unwrap(), 0.1).unwrap())),
-    ]
-}
-
 /// A compound against a single shape, on either side: the minimum or maximum over all parts.
 #[test]
 fn single_shapes_agree_with_all_parts() {
     let settings = Settings::default();
-    let (many, own) = (pack(16, 1.2, 3), pack(2, 0.3, 4));
+    let (many, packs) = (pack(16, 1.2, 3), pairings::packs());
     let whole = Compound::new(&many);
     let (mut hits, mut tried, mut queried, mut all) = (0, 0, 0, 0);
-    for (name, shape) in single_shapes(&own) {
+    for (name, shape) in pairings::all(&packs) {
         let (mut cache, mut turned) = (Cache::new(), Cache::new());
-        for (number, pose) in poses(250, 2.0, SEED + 5).into_iter().enumerate() {
+        for (number, pose) in poses(120, 2.0, SEED + 5).into_iter().enumerate() {
             let at = format!("{name}: pose {number}, seed {SEED:#x}");
             let inverse = pose.inverse();
             let parts = || many.hulls().enumerate();
@@ -625,20 +618,34 @@ fn rays_and_half_space_casts_agree_with_all_parts() {
     assert!(queried * 3 < 2 * all, "{queried} of {all}");
 }
 
+/// Two boxes with a common face, and a floor below: a ball slides down along them, at a distance of
+/// its radius, and lands on the floor.
+#[test]
+fn a_ball_that_grazes_a_part_meets_it_before_the_part_behind() {
+    let part = |low: [f32; 3], high: [f32; 3]| {
+        let corner = |i: usize| std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
+        point_set("part", &(0..8).map(corner).collect::<Vec<_>>())
+    };
+    let sets = [
+        part([-1.0, -1.0, -1.0], [0.0, 1.0, 1.0]),
+        part([0.0, -1.0, -1.0], [1.0, 1.0, 1.0]),
+        part([-9.0, -9.0, -3.0], [9.0, 9.0, -2.0]),
+    ];
+    let pack = Pack::from_bytes(&packs::bytes(&sets, IndexKind::Tree, &SourceRecord::default()).unwrap()).unwrap();
+    let (ball, start) = (Sphere::new(0.5).unwrap(), Pose::from_translation(DVec3::new(1.5, 0.0, 5.0)).unwrap());
+    let (down, settings) = (Motion::new(DVec3::NEG_Z).unwrap(), CastSettings::default());
+    let ball: &(dyn Shape + Sync) = &ball;
+    let found = hullmap::cast(&Compound::new(&pack), ball, start, down, &settings, &mut Cache::new());
+    assert!(found.hit && found.status == Status::Stalled, "{found:?}");
+    assert!((found.t - 4.0).abs() < 0.5 && found.t_upper > 6.4, "{found:?}");
+}
+
 /// A sheet of `side` × `side` rocks, which overlap slightly.
 fn sheet(side: usize) -> Pack {
-    let hulls: Vec<_> = (0..side * side)
-        .map(|number| {
-            let place = [number % side, number / side].map(|at| at as f64 - (side as f64 - 1.0) * 0.5);
-            let place = [place[0], place[1], 0.0];
-            let points = Family::Rock.points(32, number as u64 % 16);
-            let positions: Vec<[f32; 3]> =
-                points.iter().map(|p| std::array::from_fn(|i| (f64::from(p[i]) * 0.6 + place[i]) as f32)).collect();
-            let source_vertices = (0..positions.len() as u32).collect();
-            bake_hull(&PointSet { positions, source_vertices, ..PointSet::default() }, IndexKind::Tree).unwrap()
-        })
-        .collect();
-    Pack::from_bytes(&write_pack(&hulls, &SourceRecord::default()).unwrap()).unwrap()
+    of_parts((0..side * side).map(|number| {
+        let [x, y] = [number % side, number / side].map(|at| at as f64 - (side as f64 - 1.0) * 0.5);
+        (Family::Rock.points(32, number as u64 % 16), 0.6, [x, y, 0.0])
+    }))
 }
 
 /// A rock touches as many parts of a large sheet as of a small one, and so does the corner of

@@ -3,10 +3,14 @@
 use crate::any_shape::update;
 use glam::{DQuat, DVec2, DVec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere, TILT};
-use hullmap::{
-    Cache, Feature, Hull, Manifold, ManifoldSettings, Pack, Pose, Prediction, Ray, Shape, SupportMap, SupportPoint,
+use hullmap::{Cache, Feature, Hull, Manifold, ManifoldSettings, Pack, Pose, Prediction, Ray, Shape, SupportMap};
+use hullmap_testkit::{
+    entry::passage_of_point,
+    packs::tree_pack,
+    polytope::{Polytope, height_over_faces},
+    random::RandomPoses,
+    reach::Reach,
 };
-use hullmap_testkit::{packs::tree_pack, polytope::height_over_faces, random::RandomPoses};
 use shapes::{families::Family, rng::SplitMix64, solids};
 
 const SEED: u64 = 0x005e_ed14;
@@ -346,119 +350,6 @@ fn faces_are_merged_on_either_side_of_the_tilt() {
     }
 }
 
-/// A shape that is never reduced: the twin.
-struct Whole<'a>(&'a (dyn Shape + Sync));
-
-impl SupportMap for Whole<'_> {
-    fn support_point(&self, dir: DVec3) -> SupportPoint {
-        self.0.support_point(dir)
-    }
-    fn interior_point(&self) -> DVec3 {
-        self.0.interior_point()
-    }
-    fn inner_radius(&self) -> f64 {
-        self.0.inner_radius()
-    }
-    fn outer_radius(&self) -> f64 {
-        self.0.outer_radius()
-    }
-    fn support_error(&self) -> f64 {
-        self.0.support_error()
-    }
-    fn point(&self, feature: u32) -> Option<DVec3> {
-        self.0.point(feature)
-    }
-    fn facets(&self) -> Option<hullmap::Facets<'_>> {
-        self.0.facets()
-    }
-    fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
-        self.0.support_point_from(dir, hint)
-    }
-}
-
-impl Shape for Whole<'_> {
-    fn feature(&self, dir: DVec3, out: &mut Feature) {
-        self.0.feature(dir, out);
-    }
-    fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
-        self.0.feature_within(dir, reach, out);
-    }
-}
-
-/// Manifolds from reduced features span nearly as much area as those from whole ones, at the same
-/// depths.
-#[test]
-fn reduced_features_support_as_well_as_whole_ones() {
-    println!("seed {SEED:#x}");
-    let mut rng = SplitMix64::new(SEED + 5);
-    let packs: Vec<Pack> = [6, 12, 30, 100].iter().map(|n| tree_pack(&prism(*n, 0.1, &mut rng))).collect();
-    let hulls: Vec<Hull> = packs.iter().map(|pack| pack.hull(0).unwrap()).collect();
-    let cuboid = Cuboid::new(DVec3::new(3.0, 3.0, 0.5)).unwrap();
-    let cylinder = Cylinder::new(0.5, 0.8).unwrap();
-    let mut shapes: Vec<&(dyn Shape + Sync)> = vec![&cuboid, &cylinder];
-    hulls.iter().for_each(|hull| shapes.push(hull));
-    let settings = ManifoldSettings::default();
-    let mut shares = Vec::new();
-    for a in &shapes {
-        for b in &shapes {
-            for _ in 0..30 {
-                let side = rng.unit_vector() * 0.002;
-                let turned = DQuat::from_rotation_z(rng.between(0.0, 6.0)) * DQuat::from_scaled_axis(side);
-                let [x, y] = [0, 1].map(|_| rng.between(-1.2, 1.2));
-                let pose = Pose::new(DVec3::new(x, y, 0.995), turned.normalize()).unwrap();
-                let spanned = |a: &(dyn Shape + Sync), b: &(dyn Shape + Sync)| {
-                    let mut manifold = Manifold::new();
-                    let contact = update(&mut manifold, a, b, pose, &settings, &mut Cache::new());
-                    let points: Vec<DVec3> = manifold.points().iter().map(|p| p.point_a).collect();
-                    let order = [[0, 1, 2, 3], [0, 2, 1, 3], [0, 1, 3, 2]];
-                    let n = manifold.normal();
-                    let area = match *points {
-                        [p, q, r, s] => {
-                            order.map(|i| area(&i.map(|i| [p, q, r, s][i]), n)).into_iter().fold(0.0, f64::max)
-                        }
-                        [p, q, r] => area(&[p, q, r], n),
-                        _ => 0.0,
-                    };
-                    let deepest = manifold.points().iter().map(|p| p.depth).fold(f64::NEG_INFINITY, f64::max);
-                    (contact, area, deepest)
-                };
-                let (contact, reduced, deepest) = spanned(a, b);
-                let (same, whole, depth) = spanned(&Whole(a), &Whole(b));
-                assert_eq!(contact, same);
-                // Of points that are equally deep within a tenth of the prediction, any may be
-                // taken.
-                assert!(deepest == depth || (deepest - depth).abs() <= 0.1 * 0.02 * 1.2, "{deepest} {depth}");
-                // The deepest point is always among the four. If it is not one of the stored
-                // corners, it replaces one of them, where the whole face offers three others.
-                assert!(reduced >= 0.7 * whole, "{reduced} of {whole} at {pose:?}");
-                if whole > 0.0 {
-                    shares.push(reduced / whole);
-                }
-            }
-        }
-    }
-    let mean = shares.iter().sum::<f64>() / shares.len() as f64;
-    let least = shares.iter().copied().fold(f64::INFINITY, f64::min);
-    println!("{} pairs: mean {mean:.4}, least {least:.3}", shares.len());
-    assert!(shares.len() > 700 && mean > 0.98, "{} pairs, mean {mean}", shares.len());
-}
-
-/// Where a line enters and leaves a hull, from the planes of all faces.
-fn crossing(hull: &Hull, ray: &Ray) -> (f64, f64) {
-    let (mut entry, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
-    for face in 0..hull.face_count() as u32 {
-        let normal = hull.face_normal(face).unwrap();
-        let corner = hull.vertex(hull.face(face).next().unwrap()).unwrap().as_dvec3();
-        let (height, slope) = ((corner - ray.origin()).dot(normal), ray.direction().dot(normal));
-        if slope < 0.0 {
-            entry = entry.max(height / slope);
-        } else if slope > 0.0 {
-            exit = exit.min(height / slope);
-        }
-    }
-    (entry, exit)
-}
-
 #[test]
 fn entries_agree_with_the_planes_of_all_faces() {
     println!("seed {SEED:#x}");
@@ -469,6 +360,8 @@ fn entries_agree_with_the_planes_of_all_faces() {
             let pack = tree_pack(&family.points(n, rng.next_u64()));
             let hull = pack.hull(0).unwrap();
             let radius = hull.outer_radius();
+            let polytope = Polytope::new(&hull);
+            let offsets: Vec<f64> = polytope.normals.iter().map(|n| polytope.reach(*n)).collect();
             for _ in 0..400 {
                 let up = DVec3::from_array(rng.direction());
                 let beside = DVec3::from_array(rng.direction());
@@ -480,7 +373,8 @@ fn entries_agree_with_the_planes_of_all_faces() {
                     0 => rng.below(hull.vertex_count()) as u32,
                     _ => hull.support_point(up + beside / radius).feature,
                 };
-                let (entry, exit) = crossing(&hull, &ray);
+                let planes = passage_of_point(&polytope, &offsets, ray.origin(), ray.direction(), 0.0);
+                let (entry, exit) = (planes.enter[0], planes.exit[0]);
                 // Where the ray grazes the hull, rounding errors decide between hit and miss.
                 let chord = (exit - entry) * 2.5 / radius;
                 match hull.entry(&ray, near) {

@@ -1,4 +1,5 @@
-//! Times of impact of shapes that move and turn, against formulas.
+//! Times of impact of shapes that move and turn, against formulas. `hullmap_tests::soak` judges
+//! random ones.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -37,85 +38,6 @@ fn assert_at(found: &TimeOfImpact, t: f64, width: f64) {
 fn assert_missed(found: &TimeOfImpact) {
     assert!(!found.hit && found.status == Status::Separated, "{found:?}");
     assert_eq!([found.t, found.t_lower, found.t_upper], [f64::INFINITY; 3]);
-}
-
-/// First t in 0 to 1 at which `distance` is at most 0, by small steps and bisection.
-fn first(distance: impl Fn(f64) -> f64) -> f64 {
-    let steps = 100_000;
-    let late = (1..=steps).map(|i| f64::from(i) / f64::from(steps)).find(|t| distance(*t) <= 0.0).unwrap();
-    let (mut early, mut late) = (late - 1.0 / f64::from(steps), late);
-    for _ in 0..60 {
-        let middle = 0.5 * (early + late);
-        if distance(middle) > 0.0 { early = middle } else { late = middle }
-    }
-    late
-}
-
-/// The centres of two spheres run on helices about different axes, given by sines and cosines here.
-#[test]
-fn spheres_on_screws() {
-    let (a, b) = (Sphere::new(0.3).unwrap(), Sphere::new(0.2).unwrap());
-    let mut hits = 0;
-    for turns in [0.2, 0.5, 1.0, 1.7, 3.0] {
-        for rise in [0.0, 0.8, 2.0] {
-            let place_a = |t: f64| DVec3::new((TAU * turns * t).cos(), (TAU * turns * t).sin(), rise * t);
-            let place_b = |t: f64| DVec3::new(-0.9 - 0.5 * (2.0 * t).sin(), 0.7 * t, 0.4 + 0.5 * (2.0 * t).cos());
-            let gap = |t: f64| place_a(t).distance(place_b(t)) - 0.5;
-            let [start_a, start_b] = [place_a(0.0), place_b(0.0)].map(|p| Pose::from_translation(p).unwrap());
-            let motion_a = RigidMotion::screw(start_a, DVec3::Z * rise, DVec3::Z * (TAU * turns), DVec3::ZERO).unwrap();
-            // About −Y: z turns towards −x.
-            let center = DVec3::new(-0.9, 0.0, 0.4);
-            let motion_b = RigidMotion::screw(start_b, DVec3::Y * 0.7, DVec3::Y * -2.0, center).unwrap();
-            for t in [0.0, 0.3, 0.9] {
-                assert!(motion_a.pose_at(t).translation().distance(place_a(t)) < 1e-14);
-                assert!(motion_b.pose_at(t).translation().distance(place_b(t)) < 1e-14);
-            }
-            let found = meet((&a, &motion_a), (&b, &motion_b));
-            let is_hit = (0..=100_000).any(|i| gap(f64::from(i) / 1e5) <= 0.0);
-            if is_hit {
-                hits += 1;
-                assert_at(&found, first(gap), 1e-5);
-            } else {
-                assert_missed(&found);
-            }
-        }
-    }
-    assert_eq!(hits, 5);
-}
-
-/// A box turns about its centre beside a wall whose end is below the height of the corner: the
-/// corner passes at its greatest extent, or a face meets the wall's edge.
-#[test]
-fn a_box_turns_against_the_end_of_a_wall() {
-    let turning = Cuboid::new(DVec3::new(1.0, 0.5, 1.0)).unwrap();
-    let quarter = spin(Pose::IDENTITY, DVec3::Z * FRAC_PI_2);
-    let radius = 1.25_f64.sqrt();
-    // A whole wall at y = 0.9: the corner (1, 0.5) rises to it.
-    let wall = Cuboid::new(DVec3::new(9.0, 0.5, 9.0)).unwrap();
-    let found = meet((&turning, &quarter), (&wall, &still(0.0, 1.4, 0.0)));
-    // The tolerance is a millionth of the radii, here 14, and the corner is at a speed of 1.
-    assert_at(&found, ((0.9 / radius).asin() - 0.5_f64.atan()) / FRAC_PI_2, 5e-5);
-    let side = (radius * radius - 0.81).sqrt();
-    assert!(found.normal.distance(DVec3::Y) < 1e-3 && (found.point_a.x - side).abs() < 1e-3, "{found:?}");
-    // Half of it, with its edge at x = −0.2: only the top face can reach (−0.2, 0.9): where
-    // the edge is at distance 0.5 from the plane of the face, later than a corner.
-    let half = Cuboid::new(DVec3::new(4.9, 0.5, 9.0)).unwrap();
-    let found = meet((&turning, &quarter), (&half, &still(-5.1, 1.4, 0.0)));
-    // In the frame of the box, the edge runs on a circle of radius r from angle ψ0 down.
-    let (r, psi) = ((0.04_f64 + 0.81).sqrt(), 0.9_f64.atan2(-0.2));
-    // It enters through the face x = 1 or y = 0.5 at the angle at which it is within both.
-    let inside = |t: f64| {
-        let angle = psi - FRAC_PI_2 * t;
-        ((r * angle.cos()).abs() - 1.0).max((r * angle.sin()).abs() - 0.5)
-    };
-    let corner = |t: f64| {
-        // The corner (1, 0.5), turned, against the half wall x ≤ −0.2, y ≥ 0.9.
-        let angle = 0.5_f64.atan() + FRAC_PI_2 * t;
-        (radius * angle.cos() + 0.2).max(0.9 - radius * angle.sin())
-    };
-    assert_at(&found, first(|t| inside(t).min(corner(t))), 5e-5);
-    // Beyond the greatest extent of a corner.
-    assert_missed(&meet((&turning, &quarter), (&wall, &still(0.0, 0.5 + radius + 1e-9, 0.0))));
 }
 
 /// Prisms on one axis: the normal is the axis of rotation, and rotation does not matter.

@@ -1,14 +1,16 @@
 //! The solver compared with brute force, on random hulls.
 
 mod failure_modes;
-mod shapes;
+pub mod shapes;
 
 use self::shapes::{Ball, Cuboid, PointCloud};
 use crate::any_shape::{contact, distance, intersects};
 use ::shapes::rng::SplitMix64;
 use glam::{DQuat, DVec3};
 use hullmap::{Cache, Overlap, Pose, Settings, Status};
-use hullmap_testkit::{depth::signed_depth_by_points, gap::distance_by_features, random::RandomPoses, reach::way_out};
+use hullmap_testkit::{
+    depth::signed_depth_by_points, gap::distance_by_features, packs::tree_pack, random::RandomPoses, reach::way_out,
+};
 use proptest::prelude::*;
 
 const SEED: u64 = 0x5eed_0001;
@@ -65,6 +67,9 @@ fn random_pairs_against_brute_force() {
     let settings = Settings::default();
     let mut rng = SplitMix64::new(SEED);
     let (mut hits, mut converged) = (0, 0);
+    // A cache with features and polytopes of other pairs costs steps and never makes an answer
+    // wrong.
+    let mut shared = Cache::new();
     for i in 0..PAIRS {
         let seed = rng.state();
         let (a, b, pose) = pair(&mut rng);
@@ -83,6 +88,19 @@ fn random_pairs_against_brute_force() {
             assert_eq!(c.hit, truth > 0.0, "{at}: {c:?}");
         }
         assert!((c.normal.length() - 1.0).abs() < 1e-14, "{at}: {c:?}");
+        let stranger = contact(&a, &b, pose, &settings, &mut shared);
+        let mirrored = contact(&b, &a, pose.inverse(), &settings, &mut Cache::new());
+        for other in [stranger, mirrored] {
+            assert!(!sure || other.hit == c.hit, "{at}: {c:?} {other:?}");
+            assert!(c.depth_lower <= other.depth_upper && other.depth_lower <= c.depth_upper, "{at}: {c:?} {other:?}");
+            assert!(!c.hit || other.depth_upper - other.depth_lower <= 1.01e-5 * c.depth_upper + 1e-12, "{at}");
+        }
+        if c.hit && c.depth > 1e-9 {
+            // The mirrored normal is as good: the support value along it is the depth within the
+            // tolerance.
+            let along = way_out(&a.points[..], &b.placed(pose)[..], -pose.transform_vector(mirrored.normal));
+            assert!((along - c.depth).abs() <= 2e-5 * c.depth + 1e-12, "{at}: {c:?} {mirrored:?}");
+        }
         if c.hit {
             assert!(c.depth_lower <= truth + TRUTH_ERROR && truth - TRUTH_ERROR <= c.depth_upper, "{at}: {c:?}");
             assert!(c.depth_lower <= c.depth && c.depth <= c.depth_upper, "{at}: {c:?}");
@@ -108,6 +126,12 @@ fn random_pairs_against_brute_force() {
                 "{at}: {gap:?}"
             );
         }
+        let stranger = distance(&a, &b, pose, &settings, &mut shared);
+        let mirrored = distance(&b, &a, pose.inverse(), &settings, &mut Cache::new());
+        let meet = [stranger, mirrored].iter().all(|other| gap.lower <= other.upper && other.lower <= gap.upper);
+        assert!(meet, "{at}: {gap:?} {stranger:?} {mirrored:?}");
+        let by_shared = intersects(&a, &b, pose, &mut shared).is_hit();
+        assert!(!sure || by_shared == (truth > 0.0), "{at}");
         if truth < -TRUTH_ERROR {
             let far = distance_apart(&a, &b, pose);
             assert!(gap.lower <= far + TRUTH_ERROR && far - TRUTH_ERROR <= gap.upper, "{at}, far {far}: {gap:?}");
@@ -121,10 +145,6 @@ fn random_pairs_against_brute_force() {
     let share = hits as f64 / PAIRS as f64;
     assert!((0.3..0.7).contains(&share), "not representative: {share} of the pairs overlap");
     assert_eq!(converged, PAIRS - hits, "distances that did not converge");
-}
-
-fn pose_at(x: f64, y: f64, z: f64) -> Pose {
-    Pose::from_translation(DVec3::new(x, y, z)).unwrap()
 }
 
 #[test]
@@ -212,91 +232,53 @@ fn pairs_of_balls() {
     assert!(calls < hits, "a contact of balls with a known inner ball takes one support call: {calls}");
 }
 
-#[test]
-fn zero_iterations_give_the_contact_of_the_paper() {
-    // A valid upper bound, but not the depth: the centre ray leaves the long box through its end.
-    let (long, cube) = (Cuboid(DVec3::new(20.0, 1.0, 1.0)), Cuboid(DVec3::ONE));
-    let settings = Settings { max_iterations: 0, ..Settings::default() };
-    let pose = pose_at(15.0, 1.5, 0.3);
-    let paper = contact(&long, &cube, pose, &settings, &mut Cache::new());
-    assert!(paper.hit && paper.depth_lower <= 0.5 && paper.depth_upper >= 0.5 - 1e-12, "{paper:?}");
-    let mut rng = SplitMix64::new(SEED + 2);
-    let (mut too_large, mut hits) = (0, 0);
-    for _ in 0..500 {
-        let (a, b) = (PointCloud::random(&mut rng, 12, true), PointCloud::random(&mut rng, 12, true));
-        let pose = rng.pose(1.5);
-        let paper = contact(&a, &b, pose, &settings, &mut Cache::new());
-        let truth = signed_depth(&a, &b, pose);
-        assert_eq!(paper.hit, truth > 0.0);
-        if paper.hit {
-            hits += 1;
-            too_large += usize::from(paper.depth_upper > 1.01 * truth);
-            assert!(paper.depth_lower <= truth && truth <= paper.depth_upper, "{truth} {paper:?}");
-        }
-    }
-    assert!(too_large * 4 > hits, "{too_large} of {hits}: EPA would be pointless");
-}
-
-#[test]
-fn iteration_limit_is_a_status_and_the_interval_holds() {
-    let mut rng = SplitMix64::new(SEED + 4);
-    let (mut hits, mut limited, mut misses, mut far_limited) = (0, 0, 0, 0);
-    for _ in 0..200 {
-        let (a, b) = (PointCloud::random(&mut rng, 12, true), PointCloud::random(&mut rng, 12, true));
-        let pose = rng.pose(2.0);
-        let truth = signed_depth(&a, &b, pose);
-        for max_iterations in [0, 1, 2, 3] {
-            let settings = Settings { max_iterations, ..Settings::default() };
-            let c = contact(&a, &b, pose, &settings, &mut Cache::new());
-            if truth > TRUTH_ERROR {
-                hits += 1;
-                limited += usize::from(c.status == Status::IterationLimit);
-                assert!(c.hit && c.depth_lower <= truth + TRUTH_ERROR, "{truth} {c:?}");
-                assert!(truth <= c.depth_upper + TRUTH_ERROR && c.depth_upper < 10.0, "{truth} {c:?}");
-            } else {
-                let gap = distance_apart(&a, &b, pose);
-                let d = distance(&a, &b, pose, &settings, &mut Cache::new());
-                misses += 1;
-                far_limited += usize::from(d.status == Status::IterationLimit);
-                assert!(d.lower <= gap + TRUTH_ERROR && gap <= d.upper + TRUTH_ERROR, "{gap} {d:?}");
-                assert!(d.upper < 10.0, "{d:?}");
-            }
-        }
-    }
-    assert!(limited * 2 > hits && far_limited * 4 > misses, "{limited} of {hits}, {far_limited} of {misses}");
-}
-
-/// More iterations only narrow the interval, and it always contains the depth.
+/// More iterations only narrow the interval, and it always contains the depth or the distance. The
+/// limit is a status.
 #[test]
 fn more_iterations_narrow_the_interval() {
     let mut rng = SplitMix64::new(SEED + 10);
-    let mut widths = [0.0; 6];
-    let mut hits = 0;
+    let mut widths = [0.0; 7];
+    let (mut hits, mut too_large, mut limited, mut misses, mut far_limited) = (0, 0, 0, 0, 0);
     for i in 0..200 {
         let seed = rng.state();
         let (a, b) = (PointCloud::random(&mut rng, 12, true), PointCloud::random(&mut rng, 12, true));
         let pose = rng.pose(1.5);
         let truth = signed_depth(&a, &b, pose);
+        let limits = [0, 1, 2, 4, 8, 16, 32].map(|limit| Settings { max_iterations: limit, ..Settings::default() });
         if truth <= TRUTH_ERROR {
+            let gap = distance_apart(&a, &b, pose);
+            for settings in &limits[..3] {
+                assert!(!contact(&a, &b, pose, settings, &mut Cache::new()).hit || truth > -TRUTH_ERROR, "pair {i}");
+                let d = distance(&a, &b, pose, settings, &mut Cache::new());
+                misses += 1;
+                far_limited += usize::from(d.status == Status::IterationLimit);
+                assert!(d.lower <= gap + TRUTH_ERROR && gap <= d.upper + TRUTH_ERROR && d.upper < 10.0, "{gap} {d:?}");
+            }
             continue;
         }
         hits += 1;
         let mut before = (0.0, f64::INFINITY);
-        for (number, max_iterations) in [1, 2, 4, 8, 16, 32].into_iter().enumerate() {
-            let settings = Settings { max_iterations, ..Settings::default() };
-            let c = contact(&a, &b, pose, &settings, &mut Cache::new());
-            let at = format!("pair {i}, seed {seed:#x}, {max_iterations} iterations, truth {truth:e}: {c:?}");
-            assert!(c.depth_lower <= truth + TRUTH_ERROR && truth <= c.depth_upper + TRUTH_ERROR, "{at}");
+        for (number, settings) in limits.iter().enumerate() {
+            let c = contact(&a, &b, pose, settings, &mut Cache::new());
+            let at = format!("pair {i}, seed {seed:#x}, {settings:?}, truth {truth:e}: {c:?}");
+            assert!(c.hit && c.depth_lower <= truth + TRUTH_ERROR && truth <= c.depth_upper + TRUTH_ERROR, "{at}");
             // The minimum offset may decrease when faces are replaced, by the rounding error of
             // slivers.
-            assert!(c.depth_lower >= before.0 - 1e-9 && c.depth_upper <= before.1, "{at}: {before:?}");
-            before = (c.depth_lower, c.depth_upper);
+            assert!(c.depth_lower >= before.0 - 1e-9 && c.depth_upper <= before.1 && c.depth_upper < 10.0, "{at}");
+            // Without iterations, the bounds are those of the centre ray.
+            if number > 0 {
+                before = (c.depth_lower, c.depth_upper);
+            }
             widths[number] += (c.depth_upper - c.depth_lower) / c.depth_upper;
+            too_large += usize::from(number == 0 && c.depth_upper > 1.01 * truth);
+            limited += usize::from(number < 3 && c.status == Status::IterationLimit);
         }
     }
-    println!("{hits} hits, mean widths {:?}", widths.map(|w| w / f64::from(hits)));
+    println!("{hits} hits, mean widths {:?}", widths.map(|w| w / hits as f64));
     assert!(hits > 60, "not representative: {hits} of 200 overlap");
-    assert!(widths.is_sorted_by(|wide, narrow| wide >= narrow) && widths[5] < 1e-2 * widths[0], "{widths:?}");
+    assert!(widths[1..].is_sorted_by(|wide, narrow| wide >= narrow) && widths[6] < 1e-2 * widths[1], "{widths:?}");
+    assert!(too_large * 4 > hits, "{too_large} of {hits}: EPA would be pointless");
+    assert!(limited * 2 > 3 * hits && far_limited * 4 > misses, "{limited} of {hits}, {far_limited} of {misses}");
 }
 
 /// Poses along a path from separated to penetrating to separated, about 1 degree per step.
@@ -403,18 +385,35 @@ proptest! {
         // Checks the claims of the normals by a linear scan.
         let placed = b.placed(pose);
         let value = |n: DVec3| way_out(&a.points[..], &placed[..], n);
+        let truth = signed_depth(&a, &b, pose);
         if c.hit {
             prop_assert!((value(c.normal) - c.depth).abs() < 1e-12, "{:?}", c);
             prop_assert!(c.depth_upper - c.depth_lower <= 1.01e-5 * c.depth_upper + 1e-12, "{:?}", c);
+            prop_assert!(!truth.is_finite() || c.depth_lower <= truth.max(0.0) + 1e-12, "{} {:?}", truth, c);
         } else {
             prop_assert!(value(c.normal) < 0.0, "{:?}", c);
             prop_assert!(value(d.normal) <= -0.999 * d.lower && d.lower > 0.0, "{:?}", d);
             prop_assert!((distance_apart(&a, &b, pose) - d.distance).abs() <= 1e-5 * d.distance + 1e-12, "{:?}", d);
         }
-        let truth = signed_depth(&a, &b, pose);
-        if truth.is_finite() {
-            prop_assert!(if c.hit { c.depth_lower <= truth.max(0.0) + 1e-12 } else { true }, "{} {:?}", truth, c);
+        // Baked hulls of these points have the same answers.
+        let packs = [&a, &b].map(|cloud| {
+            tree_pack(&cloud.points.iter().map(|p| p.as_vec3().to_array()).collect::<Vec<_>>())
+        });
+        let [of_a, of_b] = packs.each_ref().map(|pack| pack.hull(0).unwrap());
+        let error = 1e-10;
+        let deep = contact(&of_a, &of_b, pose, &settings, &mut Cache::new());
+        let near = distance(&of_a, &of_b, pose, &settings, &mut Cache::new());
+        let is_hit = intersects(&of_a, &of_b, pose, &mut Cache::new()).is_hit();
+        if truth.is_finite() && truth.abs() > error {
+            prop_assert_eq!([deep.hit, is_hit, near.status == Status::Overlapping], [truth > 0.0; 3], "{}", truth);
         }
+        if deep.hit {
+            prop_assert!(deep.depth_lower <= c.depth_upper + error && c.depth_lower <= deep.depth_upper + error);
+            prop_assert!(value(deep.normal) <= deep.depth_upper + error, "{:?}", deep);
+        } else {
+            prop_assert!(value(deep.normal) <= error, "{:?}", deep);
+        }
+        prop_assert!(near.lower <= d.upper + error && d.lower <= near.upper + error, "{:?} {:?}", near, d);
     }
 }
 
@@ -446,63 +445,4 @@ fn distance_continues_from_a_miss() {
     );
     assert!(misses > 50, "not representative: {misses} misses");
     assert!(f64::from(after) < 0.9 * f64::from(cold) && f64::from(next) < 0.95 * f64::from(cold));
-}
-
-#[test]
-fn swapped_shapes_have_the_mirrored_answer() {
-    let settings = Settings::default();
-    let mut rng = SplitMix64::new(SEED + 8);
-    for i in 0..400 {
-        let seed = rng.state();
-        let (a, b, pose) = pair(&mut rng);
-        let at = format!("pair {i}, seed {seed:#x}");
-        let (c, s) = (
-            contact(&a, &b, pose, &settings, &mut Cache::new()),
-            contact(&b, &a, pose.inverse(), &settings, &mut Cache::new()),
-        );
-        assert_eq!(c.hit, s.hit, "{at}: {c:?} {s:?}");
-        assert!(c.depth_lower <= s.depth_upper && s.depth_lower <= c.depth_upper, "{at}: {c:?} {s:?}");
-        if c.hit && c.depth > 1e-9 {
-            // The mirrored normal is as good: the support value along it is the depth within the
-            // tolerance.
-            let mirrored = -pose.transform_vector(s.normal);
-            let along = way_out(&a.points[..], &b.placed(pose)[..], mirrored);
-            assert!((along - c.depth).abs() <= 2e-5 * c.depth + 1e-12, "{at}: {c:?} {s:?}");
-        }
-        let (d, s) = (
-            distance(&a, &b, pose, &settings, &mut Cache::new()),
-            distance(&b, &a, pose.inverse(), &settings, &mut Cache::new()),
-        );
-        assert!(d.lower <= s.upper && s.lower <= d.upper, "{at}: {d:?} {s:?}");
-    }
-}
-
-/// A cache with features and polytopes of other pairs costs steps and never makes an answer wrong.
-#[test]
-fn the_cache_of_another_pair_is_harmless() {
-    let settings = Settings::default();
-    let mut rng = SplitMix64::new(SEED + 9);
-    let mut shared = Cache::new();
-    for i in 0..1500 {
-        let seed = rng.state();
-        let (a, b, pose) = pair(&mut rng);
-        let truth = signed_depth(&a, &b, pose);
-        let at = format!("pair {i}, seed {seed:#x}, truth {truth:e}");
-        let c = contact(&a, &b, pose, &settings, &mut shared);
-        assert!(truth.abs() < TRUTH_ERROR || c.hit == (truth > 0.0), "{at} {c:?}");
-        if c.hit {
-            assert!(
-                c.depth_lower <= truth.max(0.0) + TRUTH_ERROR && truth <= c.depth_upper + TRUTH_ERROR,
-                "{at} {c:?}"
-            );
-            assert!(c.depth_upper - c.depth_lower <= 1.01e-5 * c.depth_upper + 1e-12, "{at} {c:?}");
-        }
-        let d = distance(&a, &b, pose, &settings, &mut shared);
-        if truth < -TRUTH_ERROR {
-            let far = distance_apart(&a, &b, pose);
-            assert!(d.lower <= far + TRUTH_ERROR && far <= d.upper + TRUTH_ERROR, "{at} {far} {d:?}");
-        }
-        let yes = intersects(&a, &b, pose, &mut shared);
-        assert!(truth.abs() < TRUTH_ERROR || yes.is_hit() == (truth > 0.0), "{at} {yes:?}");
-    }
 }

@@ -11,11 +11,11 @@ use hullmap::{
     Pose, Ray, RigidMotion, Settings, TriangleMesh, VertexClass,
 };
 use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
+use hullmap_testkit::ray::{Fraction, Line};
 use hullmap_testkit::{depth::signed_depth_by_points, gap::distance_by_features, packs};
 use shapes::rng::SplitMix64;
 
 use crate::meshes::mesh;
-use crate::triangle_mesh::crossing;
 
 const SEED: u64 = 0xf139;
 
@@ -158,11 +158,9 @@ fn rays_hit_the_first_triangle_and_vertical_ones_find_the_ground() {
         let dir = if down { DVec3::new(0.0, 0.0, -size.z) } else { target - origin };
         let ray = Ray::new(origin, dir).unwrap();
         let found = hullmap::ray(field, &ray, &CastSettings::default());
-        let crossings: Vec<_> = triangles(field).into_iter().map(|(_, corners)| crossing(&ray, corners)).collect();
-        if crossings.iter().any(Option::is_none) {
-            continue;
-        }
-        let first = crossings.iter().copied().flatten().flatten().fold(f64::INFINITY, f64::min);
+        let line = Line::new(origin, dir, f64::INFINITY);
+        let first = triangles(field).into_iter().filter_map(|(_, corners)| line.meet(corners)).reduce(Fraction::min);
+        let first = first.map_or(f64::INFINITY, |first| first.rounded());
         let at_point = field.height_at(origin.x, origin.y);
         if down {
             assert_eq!(at_point.is_some(), first < f64::INFINITY, "round {round}");

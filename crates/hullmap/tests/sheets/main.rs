@@ -4,11 +4,9 @@
 mod body_manifold;
 mod height_field;
 mod height_field_seams;
-mod joints;
 mod manifold_points;
 mod meshes;
 mod one_sided;
-mod slide;
 mod surface;
 mod tiles;
 mod triangle_mesh;

@@ -1,9 +1,10 @@
-//! Queries of triangle meshes, compared with brute force over all triangles in f64.
+//! Triangle meshes: manifolds, long triangles, damaged files, and work. `hullmap_tests::sheets`
+//! judges random queries by brute force.
 
 use glam::{DQuat, DVec3};
-use hullmap::shapes::{Cuboid, Sphere, Triangle};
+use hullmap::shapes::{Cuboid, Sphere};
 use hullmap::{
-    Cache, CastSettings, CompoundManifolds, ManifoldSettings, Motion, Pose, Prediction, Ray, Settings, Status,
+    Cache, CastSettings, CompoundManifolds, ManifoldSettings, Motion, Pose, Prediction, Ray, Settings,
 };
 use hullmap_testkit::{depth::signed_depth_by_points, gap::distance_by_features};
 use shapes::rng::SplitMix64;
@@ -11,121 +12,6 @@ use shapes::rng::SplitMix64;
 use crate::meshes::{body, grid, mesh, meshes, slide_box, triangles};
 
 const SEED: u64 = 0x39;
-
-#[test]
-fn distances_and_overlaps_are_those_of_the_nearest_triangle() {
-    println!("seed {SEED}");
-    let mut rng = SplitMix64::new(SEED);
-    let (meshes, settings) = (meshes(&mut rng), Settings::default());
-    let (mut apart, mut overlapping, mut unsure) = (0, 0, 0);
-    for round in 0..900 {
-        let mesh = &meshes[round % meshes.len()];
-        let (pack, pose) = body(&mut rng);
-        let hull = pack.hull(0).unwrap();
-        let points: Vec<DVec3> = hull.vertices().map(|v| pose.transform_point(v.as_dvec3())).collect();
-        let mut cache = Cache::new();
-        let found = hullmap::distance(mesh, &hull, pose, &settings, &mut cache);
-        let hit = hullmap::intersects(mesh, &hull, pose, &mut cache);
-        // The way out of each triangle, and the distance from each that is not overlapped.
-        let (mut deepest, mut nearest) = (f64::NEG_INFINITY, f64::INFINITY);
-        for corners in triangles(mesh) {
-            let depth = signed_depth_by_points(&corners, &points);
-            deepest = deepest.max(depth);
-            if depth < 0.0 {
-                nearest = nearest.min(distance_by_features(&corners, &points));
-            }
-        }
-        if deepest > 1e-9 {
-            overlapping += 1;
-            assert!(hit.is_hit() && found.lower <= 0.0 && found.distance == 0.0, "round {round}: {found:?}");
-        } else if deepest < -1e-9 {
-            apart += 1;
-            assert!(!hit.is_hit(), "round {round}: {hit:?}");
-            let slack = 1e-12 * (1.0 + nearest);
-            assert!(found.lower <= nearest + slack && nearest <= found.upper + slack, "{round}: {found:?} {nearest}");
-            let width = settings.tolerance * found.distance + 1e-9;
-            assert!(found.upper - found.lower <= width, "round {round}: {found:?}");
-        } else {
-            unsure += 1;
-        }
-    }
-    println!("{apart} apart, {overlapping} overlapping, {unsure} unsure");
-    assert!(apart > 150 && overlapping > 100 && unsure < 20);
-}
-
-/// Every triangle that touches is visited once, with the contact of the triangle alone; its
-/// interval holds the depth by brute force.
-#[test]
-fn contacts_are_those_of_each_triangle() {
-    println!("seed {SEED}");
-    let mut rng = SplitMix64::new(SEED);
-    let (meshes, settings) = (meshes(&mut rng), Settings::default());
-    let (mut touching, mut surely_deep) = (0, 0);
-    for round in 0..900 {
-        let mesh = &meshes[round % meshes.len()];
-        let (pack, pose) = body(&mut rng);
-        let hull = pack.hull(0).unwrap();
-        let points: Vec<DVec3> = hull.vertices().map(|v| pose.transform_point(v.as_dvec3())).collect();
-        let mut seen = Vec::new();
-        let mut cache = Cache::new();
-        hullmap::contacts(mesh, &hull, pose, &settings, &mut cache, |contact| {
-            assert_eq!(contact.parts[1], 0);
-            seen.push((contact.parts[0] as usize, *contact));
-        });
-        seen.sort_by_key(|(triangle, _)| *triangle);
-        let mut expected = Vec::new();
-        for (index, corners) in triangles(mesh).into_iter().enumerate() {
-            let shape = Triangle::new(corners).unwrap();
-            let alone = hullmap::contact(&shape, &hull, pose, &settings, &mut Cache::new());
-            let depth = signed_depth_by_points(&corners, &points);
-            if depth > 1e-9 {
-                surely_deep += 1;
-                assert!(alone.hit, "round {round}, triangle {index}");
-                let slack = 1e-12;
-                let holds = alone.depth_lower <= depth + slack && depth <= alone.depth_upper + slack;
-                assert!(holds, "round {round}, triangle {index}: {alone:?}, by brute force {depth}");
-            } else if depth < -1e-9 {
-                assert!(!alone.hit, "round {round}, triangle {index}");
-            }
-            if alone.hit {
-                expected.push((index, alone));
-            }
-        }
-        touching += usize::from(!seen.is_empty());
-        let triangles_of = |list: &[(usize, hullmap::Contact)]| list.iter().map(|(t, _)| *t).collect::<Vec<_>>();
-        assert_eq!(triangles_of(&seen), triangles_of(&expected), "round {round}");
-        for ((_, found), (_, alone)) in seen.iter().zip(&expected) {
-            assert!((found.depth - alone.depth).abs() <= 1e-9, "round {round}");
-        }
-        let deepest = hullmap::contact(mesh, &hull, pose, &settings, &mut Cache::new());
-        let expected = seen.iter().map(|(_, contact)| contact.depth).fold(f64::NEG_INFINITY, f64::max);
-        assert_eq!(deepest.hit, !seen.is_empty());
-        assert!(!deepest.hit || (deepest.depth - expected).abs() <= 1e-9, "round {round}");
-    }
-    println!("{touching} touching, {surely_deep} triangles deep");
-    assert!(touching > 100 && surely_deep > 300);
-}
-
-/// Parameter at which a ray crosses a triangle; `None` if it is too near an edge or too flat to
-/// tell.
-pub fn crossing(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<Option<f64>> {
-    const MARGIN: f64 = 1e-9;
-    let (normal, dir) = ((b - a).cross(c - a), ray.direction());
-    let slope = normal.dot(dir);
-    if slope.abs() <= MARGIN * normal.length() * dir.length() {
-        return None;
-    }
-    let t = normal.dot(a - ray.origin()) / slope;
-    let point = ray.origin() + t * dir;
-    let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| (q - p).cross(point - p).dot(normal) / normal.length_squared());
-    if sides.iter().all(|side| *side > MARGIN) && t > MARGIN {
-        Some(Some(t))
-    } else if sides.iter().any(|side| *side < -MARGIN) || t < -MARGIN {
-        Some(None)
-    } else {
-        None
-    }
-}
 
 /// Bodies that touch few triangles, none or many, also beside the mesh and on meshes of one
 /// triangle.
@@ -161,40 +47,6 @@ fn manifolds_are_with_all_triangles_within_the_prediction() {
     }
     println!("{near} within the prediction, {far} farther");
     assert!(near > 500 && far > 4_000);
-}
-
-#[test]
-fn rays_hit_the_first_triangle() {
-    println!("seed {SEED}");
-    let mut rng = SplitMix64::new(SEED);
-    let meshes = meshes(&mut rng);
-    let (mut hits, mut misses) = (0, 0);
-    for round in 0..3000 {
-        let mesh = &meshes[round % meshes.len()];
-        let origin = 6.0 * DVec3::from_array(rng.direction());
-        let target = 2.0 * DVec3::from_array(rng.direction());
-        let ray = Ray::new(origin, (target - origin) * rng.between(0.1, 2.0)).unwrap();
-        let found = hullmap::ray(mesh, &ray, &CastSettings::default());
-        let crossings: Vec<_> = triangles(mesh).into_iter().map(|corners| crossing(&ray, corners)).collect();
-        let first = crossings.iter().copied().flatten().flatten().fold(f64::INFINITY, f64::min);
-        if crossings.iter().any(Option::is_none) {
-            continue;
-        }
-        if first == f64::INFINITY {
-            misses += 1;
-            assert!(!found.hit, "round {round}: {found:?}");
-        } else {
-            hits += 1;
-            let (lower, upper) = (found.t_lower, found.t_upper);
-            let slack = 1e-12 * (1.0 + first);
-            assert!(found.hit, "round {round}: {found:?} {first}");
-            assert!(lower <= first + slack && first <= upper + slack, "round {round}: {found:?} {first}");
-            assert!(upper - lower <= 1e-6 * (1.0 + first), "round {round}: {found:?}");
-            assert!(matches!(found.status, Status::Exact | Status::Within), "round {round}: {found:?}");
-        }
-    }
-    println!("{hits} hits, {misses} misses");
-    assert!(hits > 500 && misses > 500);
 }
 
 /// A ball that falls onto a triangle meets it when its centre is a radius above.

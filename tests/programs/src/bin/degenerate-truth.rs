@@ -3,7 +3,7 @@
 use std::{process::ExitCode, time::Instant};
 
 use clap::Parser;
-use hullmap_tests::truth::degenerate::Tally;
+use hullmap_tests::degenerate::Tally;
 
 /// Compares contact and intersects with the exact depth: nearly parallel features, thin plates,
 /// aligned boxes, concentric and touching pairs.

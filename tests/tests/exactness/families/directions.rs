@@ -74,6 +74,12 @@ impl Maker {
         Self { rng: SplitMix64::new(seed), normals, sides, faces_at, fans }
     }
 
+    /// Every face's normal and its opposite, if there are at most `most` faces.
+    pub fn normals(&self, most: usize) -> Vec<DVec3> {
+        let all = self.normals.iter().filter(|_| self.normals.len() <= most);
+        all.filter(|n| **n != DVec3::ZERO).flat_map(|n| [*n, -*n]).collect()
+    }
+
     /// Direction `index` of a list in which the kinds take turns.
     pub fn make(&mut self, index: usize) -> (Kind, DVec3) {
         let kind = KINDS[index % KINDS.len()];

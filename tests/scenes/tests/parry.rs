@@ -1,12 +1,18 @@
-//! `bake query` on real meshes, a thousand poses in one process, against parry3d.
+//! parry3d in f64 as a second opinion: on `bake query` of real meshes, a thousand poses in one
+//! process, and on the vertices of hulls.
 
 use std::{fmt::Write, path::Path};
 
 use glam::{DQuat, DVec3};
-use hullmap::{Pack, Pose};
-use hullmap_engine_tests as parry;
+use hullmap::{Hull, Pack, Pose};
+use hullmap_bake::{PointSet, hull};
 use hullmap_outside::{command::bake, files};
-use shapes::rng::SplitMix64;
+use parry3d_f64::{
+    math::{Pose as Pose3, Rotation as Rot3},
+    query,
+    shape::ConvexPolyhedron,
+};
+use shapes::{families::Family, rng::SplitMix64};
 
 const SEED: u64 = 1_000;
 const POSES: usize = 1_000;
@@ -64,10 +70,10 @@ fn agrees_with_parry(meshes: &Path, small: &str, large: &str) {
         answers
     };
     let (hits, contacts, distances) = (query("intersect"), query("contact"), query("distance"));
-    let (parry_a, parry_b) = (parry::polyhedron(&a), parry::polyhedron(&b));
+    let (parry_a, parry_b) = (polyhedron(&a), polyhedron(&b));
     let (mut overlapping, mut unsure, mut worst) = (0, 0, 0.0_f64);
     for (index, pose) in poses.into_iter().enumerate() {
-        let truth = parry::opinion(&parry_a, &parry_b, pose);
+        let truth = opinion(&parry_a, &parry_b, pose);
         let signed = truth.signed_distance.unwrap_or(truth.distance);
         overlapping += usize::from(truth.intersects);
         if signed.abs() <= UNSURE * size {
@@ -93,4 +99,61 @@ fn agrees_with_parry(meshes: &Path, small: &str, large: &str) {
     );
     assert!((300..=700).contains(&overlapping), "the sample is one-sided: {overlapping}");
     assert!(unsure < POSES / 20);
+}
+
+/// Families whose points are either inside or extreme by more than parry's tolerances.
+#[test]
+fn parry_finds_the_same_hull_vertices() {
+    for family in [Family::Sphere, Family::Ball, Family::Rock, Family::Prism, Family::Cone, Family::Lens] {
+        let positions = family.points(400, 8);
+        let points: Vec<DVec3> = positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
+        let source_vertices = (0..positions.len() as u32).collect();
+        let set = PointSet { positions, source_vertices, ..PointSet::default() };
+        let bits = |p: DVec3| p.to_array().map(|c| (c + 0.0).to_bits());
+        let mut ours: Vec<_> = hull::build(&set).unwrap().positions().into_iter().map(bits).collect();
+        let (theirs, _) = parry3d_f64::transformation::try_convex_hull(&points).expect("parry builds a hull");
+        let mut theirs: Vec<_> = theirs.into_iter().map(bits).collect();
+        ours.sort_unstable();
+        theirs.sort_unstable();
+        assert!(ours.len() > 40);
+        assert_eq!(ours, theirs, "{}", family.name());
+    }
+}
+
+/// A baked solid as parry's convex polyhedron. Panics if parry rejects the mesh.
+fn polyhedron(hull: &Hull) -> ConvexPolyhedron {
+    let points: Vec<_> = hull.vertices().map(|v| v.as_dvec3()).collect();
+    let mut triangles = Vec::new();
+    for face in hull.faces() {
+        let corners: Vec<u32> = face.collect();
+        triangles.extend(corners[1..].windows(2).map(|w| [corners[0], w[0], w[1]]));
+    }
+    ConvexPolyhedron::from_convex_mesh(points, &triangles).expect("parry takes a certified convex mesh")
+}
+
+/// parry's answers about a pair.
+#[derive(Clone, Copy, Debug)]
+struct Opinion {
+    /// `intersection_test`.
+    intersects: bool,
+    /// Distance, or negative depth, by `contact`; `None` if parry finds no contact.
+    signed_distance: Option<f64>,
+    /// `distance`; 0 where they overlap.
+    distance: f64,
+}
+
+/// parry's answers about `a`, and `b` at the pose `b_in_a`.
+fn opinion(a: &ConvexPolyhedron, b: &ConvexPolyhedron, b_in_a: Pose) -> Opinion {
+    let (here, there) = poses(b_in_a);
+    Opinion {
+        intersects: query::intersection_test(&here, a, &there, b).expect("supported").intersecting,
+        signed_distance: query::contact(&here, a, &there, b, f64::MAX).expect("supported").map(|c| c.dist),
+        distance: query::distance(&here, a, &there, b).expect("supported").distance,
+    }
+}
+
+/// A's pose and B's, in A's frame.
+fn poses(b_in_a: Pose) -> (Pose3, Pose3) {
+    let rotation = Rot3::from_array(b_in_a.rotation().to_array());
+    (Pose3::from_translation(DVec3::ZERO), Pose3::from_parts(b_in_a.translation(), rotation))
 }

@@ -1,7 +1,7 @@
 //! Depth of two small hulls in exact arithmetic.
 //!
-//! All numbers are dyadic: an integer times a power of two, without rounding. Only the choice of
-//! the directions that matter is made in f64, with a margin far above its rounding error.
+//! All numbers are dyadic, without rounding. Only the choice of the directions that matter is made
+//! in f64, with a margin far above its rounding error.
 //!
 //! # Steps
 //! 1. Both hulls in A's frame, times |q|² for the quaternion q of the pose: then the rotation has
@@ -22,82 +22,8 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 use hullmap::{Hull, Pose};
-use num_bigint::{BigInt, Sign};
 
-/// An integer times a power of two.
-#[derive(Clone, Debug)]
-pub struct Dyadic {
-    integer: BigInt,
-    exponent: i32,
-}
-
-impl Dyadic {
-    /// The exact value of `x`. Panics if `x` is not finite.
-    pub fn new(x: f64) -> Self {
-        assert!(x.is_finite(), "{x} has no exact value");
-        let bits = x.to_bits();
-        let (fraction, biased) = (bits & ((1 << 52) - 1), (bits >> 52 & 0x7ff) as i32);
-        let (mantissa, exponent) = if biased == 0 { (fraction, -1074) } else { (fraction | 1 << 52, biased - 1075) };
-        let zeros = if mantissa == 0 { 0 } else { mantissa.trailing_zeros() };
-        let integer = BigInt::from(mantissa >> zeros);
-        Self { integer: if x < 0.0 { -integer } else { integer }, exponent: exponent + zeros as i32 }
-    }
-
-    fn zero() -> Self {
-        Self { integer: BigInt::ZERO, exponent: 0 }
-    }
-
-    /// Both integers under the lower of both exponents.
-    fn aligned(&self, other: &Self) -> (BigInt, BigInt, i32) {
-        let exponent = self.exponent.min(other.exponent);
-        let shifted = |x: &Self| &x.integer << (x.exponent - exponent) as usize;
-        (shifted(self), shifted(other), exponent)
-    }
-
-    fn plus(&self, other: &Self) -> Self {
-        let (a, b, exponent) = self.aligned(other);
-        Self { integer: a + b, exponent }
-    }
-
-    fn minus(&self, other: &Self) -> Self {
-        let (a, b, exponent) = self.aligned(other);
-        Self { integer: a - b, exponent }
-    }
-
-    fn times(&self, other: &Self) -> Self {
-        Self { integer: &self.integer * &other.integer, exponent: self.exponent + other.exponent }
-    }
-
-    fn compare(&self, other: &Self) -> Ordering {
-        let (a, b, _) = self.aligned(other);
-        a.cmp(&b)
-    }
-
-    fn sign(&self) -> Ordering {
-        match self.integer.sign() {
-            Sign::Minus => Ordering::Less,
-            Sign::NoSign => Ordering::Equal,
-            Sign::Plus => Ordering::Greater,
-        }
-    }
-}
-
-type Vector = [Dyadic; 3];
-
-fn minus(a: &Vector, b: &Vector) -> Vector {
-    std::array::from_fn(|i| a[i].minus(&b[i]))
-}
-
-fn cross(a: &Vector, b: &Vector) -> Vector {
-    std::array::from_fn(|i| {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        a[j].times(&b[k]).minus(&a[k].times(&b[j]))
-    })
-}
-
-fn dot(a: &Vector, b: &Vector) -> Dyadic {
-    a[0].times(&b[0]).plus(&a[1].times(&b[1])).plus(&a[2].times(&b[2]))
-}
+use crate::dyadic::{Dyadic, Vector, cross, dot, exact, is_zero, minus};
 
 /// A hull in A's frame, twice: exactly and times |q|², and in f64.
 struct Body {
@@ -115,9 +41,15 @@ struct Face {
 impl Body {
     fn new(hull: &Hull<'_>, place: impl Fn(&Vector) -> Vector, round: impl Fn(DVec3) -> DVec3) -> Self {
         let vertices: Vec<DVec3> = hull.vertices().map(|v| v.as_dvec3()).collect();
-        let exact: Vec<Vector> = vertices.iter().map(|v| place(&v.to_array().map(Dyadic::new))).collect();
+        let exact: Vec<Vector> = vertices.iter().map(|v| place(&exact(*v))).collect();
         let faces = hull.faces().map(|face| Face::new(&face.map(|v| v as usize).collect::<Vec<_>>(), &exact));
         Self { faces: faces.collect(), rounded: vertices.into_iter().map(round).collect(), exact }
+    }
+
+    /// The hull of points, of which no faces are known.
+    fn of_points(exact: Vec<Vector>) -> Self {
+        let rounded = exact.iter().map(|p| DVec3::from_array(p.each_ref().map(Dyadic::rounded))).collect();
+        Self { faces: vec![Face::cap(&(0..exact.len()).collect::<Vec<_>>())], rounded, exact }
     }
 
     fn segments(&self) -> Vec<[usize; 2]> {
@@ -134,16 +66,20 @@ impl Face {
             cross(&minus(&points[corners[1]], &points[corners[0]]), &minus(&points[corners[2]], &points[corners[0]]));
         let height = |v: &usize| dot(&first, &minus(&points[*v], &points[corners[0]])).sign();
         let spans = first.iter().any(|c| c.sign() != Ordering::Equal);
-        let ordered = |v: usize, w: usize| [v.min(w), v.max(w)];
         if spans && corners.iter().all(|v| height(v) == Ordering::Equal) {
             let next = corners.iter().cycle().skip(1);
-            let segments = corners.iter().zip(next).map(|(v, w)| ordered(*v, *w)).collect();
+            let segments = corners.iter().zip(next).map(|(v, w)| [*v.min(w), *v.max(w)]).collect();
             return Self { triples: vec![[corners[0], corners[1], corners[2]]], segments };
         }
+        Self::cap(corners)
+    }
+
+    /// Several facets, whichever they are.
+    fn cap(corners: &[usize]) -> Self {
         let (mut triples, mut segments) = (Vec::new(), Vec::new());
         for k in 0..corners.len() {
             for j in 0..k {
-                segments.push(ordered(corners[j], corners[k]));
+                segments.push([corners[j].min(corners[k]), corners[j].max(corners[k])]);
                 triples.extend((0..j).map(|i| [corners[i], corners[j], corners[k]]));
             }
         }
@@ -224,6 +160,12 @@ pub fn depth(a: &Hull<'_>, b: &Hull<'_>, b_in_a: Pose) -> Depth {
     exact_minimum(&a, &b, &scale)
 }
 
+/// The exact depth of the hulls of a few points, which together span the space. A common power of
+/// two scales all coordinates to about 1.
+pub fn depth_of_points(a: Vec<Vector>, b: Vec<Vector>) -> Depth {
+    exact_minimum(&Body::of_points(a), &Body::of_points(b), &Dyadic::new(1.0))
+}
+
 fn exact_minimum(a: &Body, b: &Body, scale: &Dyadic) -> Depth {
     let size = a.rounded.iter().chain(&b.rounded).map(|p| p.length()).fold(0.0, f64::max);
     let mut near: Vec<(f64, Source)> = Vec::new();
@@ -266,7 +208,7 @@ fn exact_minimum(a: &Body, b: &Body, scale: &Dyadic) -> Depth {
             Source::OnB([p, q, r]) => cross(&minus(&b.exact[q], &b.exact[p]), &minus(&b.exact[r], &b.exact[p])),
             Source::Edges([p, q], [r, s]) => cross(&minus(&a.exact[q], &a.exact[p]), &minus(&b.exact[s], &b.exact[r])),
         };
-        if n.iter().all(|c| c.sign() == Ordering::Equal) {
+        if is_zero(&n) {
             continue;
         }
         let scale_sq = dot(&n, &n).times(&scale.times(scale));
@@ -298,23 +240,11 @@ fn exact_support(a: &Body, b: &Body, n: &Vector) -> Dyadic {
 
 #[cfg(test)]
 mod tests {
-    use hullmap::glam::DQuat;
-    use hullmap_testkit::{depth::signed_depth, packs::tree_pack, polytope::Polytope, random::RandomPoses};
+    use glam::DQuat;
     use shapes::{families, rng::SplitMix64};
 
     use super::*;
-
-    #[test]
-    fn dyadic_numbers_are_exact() {
-        let third = Dyadic::new(1.0 / 3.0);
-        let sum = third.plus(&third).plus(&third);
-        assert_eq!(sum.compare(&Dyadic::new(1.0)), Ordering::Less);
-        assert_eq!(Dyadic::new(-0.0).sign(), Ordering::Equal);
-        assert_eq!(Dyadic::new(5e-324).sign(), Ordering::Greater);
-        let product = Dyadic::new(1e-300).times(&Dyadic::new(1e-300));
-        assert_eq!(product.compare(&Dyadic::new(0.0)), Ordering::Greater);
-        assert_eq!(Dyadic::new(0.5).minus(&Dyadic::new(0.25)).compare(&Dyadic::new(0.25)), Ordering::Equal);
-    }
+    use crate::{depth::signed_depth, packs::tree_pack, polytope::Polytope, random::RandomPoses};
 
     #[test]
     fn cubes_have_their_depth() {
