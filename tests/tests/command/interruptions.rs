@@ -11,17 +11,12 @@ use std::{
 };
 
 use hullmap_outside::command::{bake_in, binary, command};
+use hullmap_outside::files::write;
 use shapes::families::Family;
 use tempfile::TempDir;
 
 /// A step that takes longer counts as hung. Loaded machines are slow.
 const PATIENCE: Duration = Duration::from_secs(120);
-
-fn write(folder: &TempDir, name: &str, text: &str) {
-    let path = folder.path().join(name);
-    fs::create_dir_all(path.parent().unwrap()).unwrap();
-    fs::write(path, text).unwrap();
-}
 
 /// A cloud of this many points on a sphere as OBJ text.
 fn sphere(count: usize, seed: u64) -> String {

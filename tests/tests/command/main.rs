@@ -2,14 +2,14 @@
 
 mod assets;
 mod budgets;
+#[cfg(target_os = "linux")]
+mod cases;
 mod decompose;
 mod document;
 mod export;
 mod farm;
 #[cfg(target_os = "linux")]
 mod faults;
-#[cfg(unix)]
-mod folders;
 mod height_field;
 #[cfg(unix)]
 mod interruptions;
@@ -25,5 +25,4 @@ mod subcommands;
 mod triangle_meshes;
 #[cfg(unix)]
 mod untrusted;
-mod usd;
 mod voids;
