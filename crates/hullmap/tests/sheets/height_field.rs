@@ -361,64 +361,6 @@ fn heights_at_edges_of_holes_are_those_of_the_ground_beside_them() {
     );
 }
 
-/// Every word of a file, with a few values in its place and the checksum corrected: the file is
-/// rejected, or queries end, and answer within the bounds.
-#[test]
-fn damaged_files_are_rejected_or_harmless() {
-    const CHECKSUM_AT: usize = 56;
-    println!("seed {SEED}");
-    let mut rng = SplitMix64::new(SEED);
-    let heights: Vec<f32> = (0..7 * 9).map(|_| rng.unit() as f32).collect();
-    let holes: Vec<bool> = (0..6 * 8).map(|cell| cell == 5 || cell == 17).collect();
-    let materials: Vec<u16> = (0..6 * 8).collect();
-    let layout = centred(7, 9, [0.5, 0.5], Diagonal::Falling);
-    let baked = bake_height_field(&HeightGrid { layout, heights: &heights, holes: &holes, materials: &materials });
-    let file = write_height_field(baked.unwrap(), &Default::default()).unwrap();
-    let intact = HeightField::from_bytes(&file).unwrap();
-    assert_eq!(intact.material(2 * 7), Some(7));
-    let ball = Sphere::new(0.5).unwrap();
-    let (settings, near) = (Settings::default(), Pose::from_translation(DVec3::new(0.2, 0.1, 0.7)).unwrap());
-    let ray = Ray::new(DVec3::new(0.2, 0.1, 9.0), DVec3::NEG_Z).unwrap();
-    let (mut rejected, mut harmless) = (0, 0);
-    for at in (64..file.len() - 3).step_by(2) {
-        let old = u32::from_le_bytes(file[at..at + 4].try_into().unwrap());
-        for new in [0, 1, old ^ 1, old ^ 0x10, old ^ 1 << 16, old ^ 1 << 31, u32::MAX, 0x7fc0_0000, old.wrapping_mul(3)]
-        {
-            let mut file = file.clone();
-            file[at..at + 4].copy_from_slice(&new.to_le_bytes());
-            let checksum = intact.header().checksum_of(&file[64..]);
-            file[CHECKSUM_AT..64].copy_from_slice(&checksum.to_le_bytes());
-            let Ok(damaged) = HeightField::from_bytes(&file) else {
-                rejected += 1;
-                continue;
-            };
-            harmless += 1;
-            let mut cache = Cache::new();
-            let gap = hullmap::distance(&damaged, &ball, near, &settings, &mut cache);
-            assert!(gap.lower <= gap.upper && gap.support_calls <= 900, "{at}: {gap:?}");
-            hullmap::contact(&damaged, &ball, near, &settings, &mut cache);
-            hullmap::ray(&damaged, &ray, &CastSettings::default());
-            CompoundManifolds::new(4).update(&damaged, &ball, near, &ManifoldSettings::default());
-            damaged.height_at(0.2, 0.1);
-            for triangle in 0..damaged.triangle_count() {
-                let [low, high] = damaged.bounds();
-                let corners = damaged.triangle(triangle).map(|t| t.corners()).into_iter().flatten();
-                let is_within = |c: DVec3| c.clamp(low, high) == c;
-                assert!(corners.into_iter().all(is_within), "{at}");
-            }
-        }
-    }
-    println!("{rejected} rejected, {harmless} harmless");
-    // Materials are not followed, a height may move within its range, and an origin anywhere.
-    assert!(rejected > harmless && harmless > 100, "{rejected} {harmless}");
-    let mut file = file;
-    for at in 64..file.len() {
-        file[at] ^= 4;
-        assert!(HeightField::from_bytes(&file).is_err(), "byte {at}");
-        file[at] ^= 4;
-    }
-}
-
 /// A query of a large field compares few boxes, also over a large hole.
 #[test]
 fn work_grows_with_the_logarithm_of_the_field() {
