@@ -69,6 +69,8 @@ impl Case {
         // Progress depends on the time.
         let messages = run.stderr.lines().filter(|line| !line.contains(" files; in progress: "));
         messages.for_each(|line| shown += &format!("{}\n", format!("! {line}").trim_end()));
+        let is_read_as_step = |line: &str| ["$ ", "> ", "```"].iter().any(|mark| line.starts_with(mark));
+        assert!(!shown.lines().any(is_read_as_step), "{step}: a line of the output reads as a step: {shown}");
         self.redactions.redact(&shown)
     }
 }

@@ -130,7 +130,7 @@ fn a_task_trusts_neither_files_nor_keys() {
 fn checkouts() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     ["one", "two"].iter().for_each(|checkout| write_meshes(&folder.path().join(checkout), 12));
-    run(&folder.path().join("one"), "build in --out local").expect(0);
+    run(folder.path().join("one"), "build in --out local").expect(0);
     folder
 }
 
@@ -154,11 +154,11 @@ fn origins(run: &Run) -> [usize; 2] {
 fn checkouts_share_a_cache() {
     let folder = checkouts();
     let path = |name: &str| folder.path().join(name);
-    let keys = run(&path("one"), "key in --out o --json").expect(0).json();
+    let keys = run(path("one"), "key in --out o --json").expect(0).json();
     let keys: BTreeSet<&str> = keys.iter().map(|row| row["key"].as_str().unwrap()).collect();
     let entries: Vec<String> = keys.iter().map(|key| format!("{}/{key}.hullmap", &key[..2])).collect();
     // A killed build left this file, which is removed.
-    write(&path("cache"), &entries[0].replace('/', "/.").replace(".hullmap", ".hullmapAbCdEf.tmp"), "half");
+    write(path("cache"), &entries[0].replace('/', "/.").replace(".hullmap", ".hullmapAbCdEf.tmp"), "half");
     assert_eq!(origins(&build_with_cache(folder.path(), "one", "")), [0, 13]);
     assert_eq!(contents(&path("cache")).into_keys().collect::<Vec<_>>(), entries);
 
@@ -166,38 +166,38 @@ fn checkouts_share_a_cache() {
     assert_eq!(origins(&second), [13, 0]);
     let rows = second.json();
     assert!(rows.iter().all(|row| row["status"] == "baked" && row["hulls"] == 1 && row["reason"].is_string()));
-    let text = run(&path("two"), "build in --out p --cache ../cache").expect(0).stdout;
+    let text = run(path("two"), "build in --out p --cache ../cache").expect(0).stdout;
     assert!(text.contains("13 baked (13 from the cache), 0 fresh, 0 failed; 13 hulls"), "{text}");
-    assert_eq!(origins(&run(&path("two"), "build in --out p --cache ../cache --json").expect(0)), [0, 0]);
+    assert_eq!(origins(&run(path("two"), "build in --out p --cache ../cache --json").expect(0)), [0, 0]);
     assert_eq!(origins(&build_with_cache(folder.path(), "two", "--force")), [0, 13]);
 
     // In shards and tasks.
     let mut taken = 0;
     for shard in 0..3 {
         let line = format!("build in --out s --cache ../cache --json --shard {shard}/3");
-        taken += origins(&run(&path("two"), &line).expect(0))[0];
+        taken += origins(&run(path("two"), &line).expect(0))[0];
     }
     assert_eq!(taken, 13);
     plan(&path("two"), "in --out t");
-    let task = run(&path("two"), "task plan.jsonl --cache ../cache --json").expect(0);
+    let task = run(path("two"), "task plan.jsonl --cache ../cache --json").expect(0);
     assert_eq!(origins(&task), [13, 0]);
     assert_eq!(contents(&path("two/t")), contents(&path("one/local")));
 
     // One mesh is edited, others have other options or keep their triangles.
-    write(&path("two"), "in/0/0.obj", CUBE.replace("1 1 1", "5 5 5"));
-    assert_eq!(origins(&run(&path("two"), "build in --out p --cache ../cache --json --force").expect(0)), [0, 13]);
-    assert_eq!(origins(&run(&path("two"), "build in --out q --cache ../cache --json").expect(0)), [13, 0]);
+    write(path("two"), "in/0/0.obj", CUBE.replace("1 1 1", "5 5 5"));
+    assert_eq!(origins(&run(path("two"), "build in --out p --cache ../cache --json --force").expect(0)), [0, 13]);
+    assert_eq!(origins(&run(path("two"), "build in --out q --cache ../cache --json").expect(0)), [13, 0]);
     for expected in [[0, 13], [13, 0]] {
         let line = format!("build in --out k{} --cache ../cache --json --keep-triangles", expected[0]);
-        assert_eq!(origins(&run(&path("two"), &line).expect(0)), expected);
+        assert_eq!(origins(&run(path("two"), &line).expect(0)), expected);
     }
     assert_eq!(contents(&path("two/k0")).len(), 13);
     // A mesh that is rejected is no entry.
-    write(&path("two"), "in/0/0.obj", "v 0\n");
+    write(path("two"), "in/0/0.obj", "v 0\n");
     for _ in 0..2 {
-        run(&path("two"), "build in --out q --cache ../cache --json").expect(1);
+        run(path("two"), "build in --out q --cache ../cache --json").expect(1);
     }
-    assert!(run(&path("two"), "build in --out q --cache ../cache --check").expect(2).stderr.contains("--check"));
+    assert!(run(path("two"), "build in --out q --cache ../cache --check").expect(2).stderr.contains("--check"));
 }
 
 #[test]
@@ -206,12 +206,12 @@ fn an_entry_is_judged_like_any_pack() {
     let folder = checkouts();
     let path = |name: &str| folder.path().join(name);
     let other = fs::read(path("one/local/0/3.hullmap")).unwrap();
-    run(&path("one"), "build in/0/0.obj --out odd --index none --quiet").expect(0);
+    run(path("one"), "build in/0/0.obj --out odd --index none --quiet").expect(0);
     let odd = fs::read(path("one/odd/0.hullmap")).unwrap();
-    run(&path("one"), "build in/0/0.obj --out elsewhere --quiet").expect(0);
+    run(path("one"), "build in/0/0.obj --out elsewhere --quiet").expect(0);
     let moved = fs::read(path("one/elsewhere/0.hullmap")).unwrap();
     build_with_cache(folder.path(), "one", "");
-    let row = &run(&path("one"), "key in/0/0.obj --out o/0 --json").expect(0).json()[0];
+    let row = &run(path("one"), "key in/0/0.obj --out o/0 --json").expect(0).json()[0];
     let key = row["key"].as_str().unwrap();
     let entry = path("cache").join(&key[..2]).join(format!("{key}.hullmap"));
     let honest = fs::read(&entry).unwrap();

@@ -27,7 +27,7 @@ fn sphere(count: usize, seed: u64) -> String {
 fn meshes(count: usize, points: usize) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for index in 0..count {
-        write(&folder, &format!("in/{index}.obj"), &sphere(points, index as u64));
+        write(&folder, &format!("in/{index}.obj"), sphere(points, index as u64));
     }
     folder
 }
@@ -281,7 +281,7 @@ fn a_watch_bakes_what_changes_survives_errors_and_ends_on_ctrl_c() {
     wait_for(&out, "3 baked, 0 fresh");
     wait_for(&messages, "watching for changes");
 
-    write(&folder, "in/1.obj", &sphere(41, 9));
+    write(&folder, "in/1.obj", sphere(41, 9));
     assert!(wait_for(&messages, "changed: ").contains("in/1.obj"));
     wait_for(&out, "1 baked, 0 fresh");
     wait_for(&messages, "watching");
@@ -289,11 +289,11 @@ fn a_watch_bakes_what_changes_survives_errors_and_ends_on_ctrl_c() {
     write(&folder, "in/1.obj", "v 1 2\n");
     wait_for(&messages, "error: in/1.obj:1: ");
     wait_for(&messages, "watching");
-    write(&folder, "in/1.obj", &sphere(42, 9));
+    write(&folder, "in/1.obj", sphere(42, 9));
     wait_for(&out, "1 baked, 0 fresh");
     wait_for(&messages, "watching");
 
-    write(&folder, "in/new/4.obj", &sphere(43, 9));
+    write(&folder, "in/new/4.obj", sphere(43, 9));
     wait_for(&out, "1 baked");
     wait_for(&messages, "watching");
     let start = Instant::now();
