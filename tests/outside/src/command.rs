@@ -54,6 +54,11 @@ pub fn bake_in<S: AsRef<OsStr>>(folder: &Path, words: impl IntoIterator<Item = S
     finished(Command::new(binary()).args(words).current_dir(folder))
 }
 
+/// Runs `bake` in `folder` with the words of a line, which hold no spaces. Panics as [`bake`] does.
+pub fn bake_line(folder: impl AsRef<Path>, line: &str) -> Run {
+    bake_in(folder.as_ref(), line.split_whitespace())
+}
+
 /// Runs a command of `bake` to its end. Panics if it cannot be started, is killed, or prints
 /// invalid UTF-8.
 pub fn finished(command: &mut Command) -> Run {

@@ -26,6 +26,9 @@ const PLACES: [([f64; 3], [f64; 4]); 8] = [
 /// Maximum number of triangles of a sheet that is queried with itself, which may test all pairs.
 const MAX_AGAINST_ITSELF: usize = 128;
 
+/// Maximum number of support calls of a distance for each triangle. A box needs up to 15.
+const MAX_CALLS: usize = 20;
+
 /// Queries at a number of places.
 pub struct SheetInquiry {
     places: usize,
@@ -146,6 +149,8 @@ impl SheetInquiry {
         let hit = hullmap::intersects(sheet, other, pose, cache);
         let gap = hullmap::distance(sheet, other, pose, &settings, cache);
         assert!([hit.parts[0], gap.parts[0]].iter().all(|triangle| (*triangle as usize) < count), "{hit:?}, {gap:?}");
+        // Damage must not make a query much longer than one that tests every triangle.
+        assert!(gap.lower <= gap.upper && gap.support_calls as usize <= MAX_CALLS * count, "{gap:?}");
         let deepest = hullmap::contact(sheet, other, pose, &settings, cache);
         let is_there = !deepest.hit || sheet.triangle(deepest.parts[0] as usize).is_some();
         assert!(is_there && !deepest.depth.is_nan(), "{deepest:?}");

@@ -4,8 +4,7 @@
 use std::fs;
 
 use hullmap::{Hull, Pack};
-use hullmap_outside::command::{Run, bake_in};
-use hullmap_outside::files::workspace;
+use hullmap_outside::command::bake_line as bake;
 use shapes::families::Family;
 use shapes::mesh::Mesh;
 use shapes::obj::{Document, Object};
@@ -24,10 +23,6 @@ const LIMITS: [(&str, [usize; 5]); 8] = [
     ("newton", [64, usize::MAX, usize::MAX, usize::MAX, usize::MAX]),
     ("mujoco-warp", [64, usize::MAX, usize::MAX, usize::MAX, usize::MAX]),
 ];
-
-fn bake(folder: &TempDir, line: &str) -> Run {
-    bake_in(folder.path(), line.split_whitespace())
-}
 
 fn counts(hull: &Hull) -> [usize; 5] {
     let faces: Vec<usize> = hull.faces().map(|face| face.count()).collect();
@@ -108,64 +103,4 @@ fn hulls_that_fit_stay_exact() {
     // The engine is one of the recorded options.
     let run = bake(&folder, "build drum.obj --out p --for-engine physx-gpu --check").expect(1);
     assert!(run.stdout.contains("stale") || run.stderr.contains("stale"), "{run:?}");
-}
-
-#[test]
-fn verify_names_what_does_not_fit() {
-    let folder = meshes();
-    bake(&folder, "build . --out p --quiet").expect(0);
-    bake(&folder, "verify p --directions 200").expect(0);
-    let run = bake(&folder, "verify p --directions 200 --budget box3d --json").expect(1);
-    for result in run.json() {
-        let file = result["file"].as_str().unwrap();
-        let fits = ["drum", "ell", "box"].iter().any(|name| file.contains(name));
-        assert_eq!(result["pass"], fits, "{result}");
-        assert_eq!(result["budget"].as_array().unwrap().is_empty(), fits, "{result}");
-    }
-    assert!(run.stderr.contains("constants.h"), "{run:?}");
-    let run = bake(&folder, "verify p/rock.hullmap --budget physx-gpu").expect(1);
-    assert!(run.stderr.contains("vertices, and at most 64 fit"), "{run:?}");
-    bake(&folder, "verify p --budget quake").expect(2);
-    // Lean packs have no faces of large hulls: they are counted all the same.
-    bake(&folder, "build wheel.obj --out lean --lean --quiet").expect(0);
-    let run = bake(&folder, "verify lean --budget jolt --directions 200").expect(1);
-    assert!(run.stderr.contains("600 vertices, and at most 256 fit"), "{run:?}");
-}
-
-/// No number of vertices makes a needle or a plate fit: the build warns, and verification fails.
-#[test]
-fn needles_and_plates_get_a_warning() {
-    let folder = tempfile::tempdir().unwrap();
-    let square = |size: f64| [[0.0, 0.0], [size, 0.0], [size, size], [0.0, size]];
-    write(&folder, "needle.obj", &extrusion(&square(0.01), 0.0, 1.0));
-    write(&folder, "plate.obj", &extrusion(&square(1.0), 0.0, 0.002));
-    let run = bake(&folder, "build needle.obj --out p --for-engine physx-gpu").expect(0);
-    assert!(run.stderr.contains("an aspect of 100:1, and at most 64:1 fits"), "{run:?}");
-    bake(&folder, "verify p --budget physx-gpu --directions 200").expect(1);
-    bake(&folder, "verify p --budget physx --directions 200").expect(0);
-    let run = bake(&folder, "build plate.obj --out q --for-engine box3d").expect(0);
-    assert!(run.stderr.contains("a thickness of 2.00 mm") && run.stderr.contains("at least 5 mm"), "{run:?}");
-    bake(&folder, "verify q --budget box3d --directions 200").expect(1);
-    bake(&folder, "verify q --budget jolt --directions 200").expect(0);
-}
-
-#[test]
-fn robots_keep_the_limits_too() {
-    let folder = tempfile::tempdir().unwrap();
-    let robots = workspace().join("tests/robots");
-    let run = bake_in(
-        folder.path(),
-        [
-            "robot".as_ref(),
-            robots.join("arm.urdf").as_os_str(),
-            "--out".as_ref(),
-            folder.path().join("out").as_os_str(),
-            "--for-engine".as_ref(),
-            "physx-gpu".as_ref(),
-        ],
-    )
-    .expect(0);
-    let run = (run, bake_in(folder.path(), ["verify", "out", "--budget", "physx-gpu", "--directions", "200"]));
-    assert_eq!(run.1.code, 0, "{run:?}");
-    assert!(run.1.stdout.lines().count() > 2, "{run:?}");
 }

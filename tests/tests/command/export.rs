@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use hullmap::{Hull, Pack};
 use hullmap_bake::{IndexKind, PointSet, SourceRecord};
-use hullmap_outside::command::{Run, bake_in};
+use hullmap_outside::command::{Run, bake_in, bake_line as bake};
 use hullmap_outside::files::workspace;
 use hullmap_testkit::packs::{self, point_set};
 use shapes::families::Family;
@@ -20,10 +20,6 @@ v 0 0 1\nv 3 0 1\nv 3 1 1\nv 1 1 1\nv 1 3 1\nv 0 3 1
 f 6 5 4 3 2 1\nf 7 8 9 10 11 12
 f 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\nf 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12
 ";
-
-fn bake(folder: &TempDir, line: &str) -> Run {
-    bake_in(folder.path(), line.split_whitespace())
-}
 
 fn open(folder: &TempDir, path: &str) -> Pack {
     Pack::open(folder.path().join(path)).unwrap()
@@ -286,173 +282,6 @@ fn json_has_the_vertices_and_faces_of_the_pack() {
     bake(&folder, "inspect x.hullmap --vertices").expect(2);
 }
 
-#[test]
-fn hulls_are_selected_by_name_or_index() {
-    let folder = tempfile::tempdir().unwrap();
-    write_pack(&folder, "x.hullmap", &[tetrahedron("a"), tetrahedron("b"), tetrahedron("c")]);
-    for (line, expected) in [("--hull b", vec!["b"]), ("--hull 2 --hull a", vec!["a", "c"]), ("", vec!["a", "b", "c"])]
-    {
-        let found = bake(&folder, &format!("export x.hullmap --format json {line}")).expect(0).json().remove(0);
-        let names: Vec<&str> = found["hulls"].as_array().unwrap().iter().map(|h| h["name"].as_str().unwrap()).collect();
-        assert_eq!(names, expected, "{line}");
-    }
-    assert!(bake(&folder, "export x.hullmap --format json --hull d").expect(2).stderr.contains("no hull `d`"));
-    let several = bake(&folder, "export x.hullmap --out x.stl").expect(2);
-    assert!(several.stderr.contains("has 3 hulls") && several.stderr.contains("--parts"), "{several:?}");
-    bake(&folder, "export x.hullmap --hull b --out x.stl").expect(0);
-}
-
-/// `export` took a single pack: a folder had to be exported by a loop in the shell.
-#[test]
-fn packs_and_folders_are_exported_at_once() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::create_dir_all(folder.path().join("packs/deep")).unwrap();
-    for name in ["packs/a.hullmap", "packs/deep/b.hullmap", "c.hullmap"] {
-        write_pack(&folder, name, &[tetrahedron("left"), tetrahedron("right")]);
-    }
-    let run = bake(&folder, "export packs c.hullmap --for unreal --format obj --out out").expect(0);
-    let written = ["out/a.obj", "out/deep/b.obj", "out/c.obj"];
-    assert!(run.stdout.lines().map(|line| line.split(": ").next().unwrap()).eq(written), "{run:?}");
-    assert!(fs::read_to_string(folder.path().join("out/deep/b.obj")).unwrap().contains("o UCX_right_00\n"));
-    bake(&folder, "export packs c.hullmap --for mjcf --out robots").expect(0);
-    assert_eq!(listed(&folder.path().join("robots/deep/b")), ["b.xml", "left.obj", "right.obj"]);
-    let lines = bake(&folder, "export packs c.hullmap --format json --hull right").expect(0).json();
-    assert_eq!(lines.len(), 3);
-    assert!(lines.iter().all(|line| line["hulls"][0]["name"] == "right" && line["hulls"][1].is_null()));
-
-    // A pack that fails does not stop the others, and existing files are kept.
-    fs::remove_file(folder.path().join("out/a.obj")).unwrap();
-    fs::write(folder.path().join("packs/deep/damaged.hullmap"), "no pack").unwrap();
-    let run = bake(&folder, "export packs c.hullmap --format obj --out out").expect(2);
-    assert!(run.stderr.contains("out/c.obj: already exists") && run.stderr.contains("damaged.hullmap: "), "{run:?}");
-    assert_eq!(run.stdout.lines().count(), 1);
-    fs::remove_file(folder.path().join("packs/deep/damaged.hullmap")).unwrap();
-    fs::create_dir(folder.path().join("else")).unwrap();
-    write_pack(&folder, "else/C.hullmap", &[tetrahedron("left")]);
-    let run = bake(&folder, "export c.hullmap else --format obj --out new").expect(2);
-    assert!(run.stderr.contains("c.hullmap and else/C.hullmap would both become new/C.obj"), "{run:?}");
-    for (line, message) in [
-        ("packs --format obj", "name a folder with --out"),
-        ("packs --out x.obj", "names a file, but several files are written"),
-        ("packs --out folder", "add --format: obj, stl, glb, json"),
-        ("packs --for godot --out o --name x", "--name: several packs"),
-        ("packs else/gone.hullmap --format obj --out o", "else/gone.hullmap: cannot read"),
-    ] {
-        let run = bake(&folder, &format!("export {line}")).expect(2);
-        assert!(run.stderr.contains(message) && run.stdout.is_empty(), "{line}: {run:?}");
-    }
-    assert!(!folder.path().join("x.obj").exists() && !folder.path().join("o").exists());
-}
-
-/// `UCX_chair_00` is not found by Unreal if the node in `chair.gltf` is called `SM_Chair`.
-#[test]
-fn unreal_finds_parts_by_the_name_of_the_node() {
-    let folder = tempfile::tempdir().unwrap();
-    write_pack(&folder, "x.hullmap", &[tetrahedron("SM_Chair")]);
-    bake(&folder, "export x.hullmap --out chair.glb").expect(0);
-    fs::write(folder.path().join("ell.obj"), ELL.replace("o ell", "o Ell_LOD0")).unwrap();
-    let two = "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\no b\nf 1 3 4\nf 2 3 4\n";
-    fs::write(folder.path().join("two.obj"), two).unwrap();
-    bake(&folder, "build chair.glb two.obj --out . --quiet").expect(0);
-    bake(&folder, "build ell.obj --out . --decompose --quiet").expect(0);
-    let names = |pack: &str, more: &str| {
-        let run = bake(&folder, &format!("export {pack}.hullmap --for unreal --format obj {more}")).expect(0);
-        let names = run.stdout.lines().filter_map(|line| line.strip_prefix("o "));
-        (names.map(str::to_owned).collect::<Vec<_>>(), run.stderr)
-    };
-    assert_eq!(names("chair", ""), (vec!["UCX_SM_Chair_00".to_owned()], String::new()));
-    assert_eq!(names("ell", "").0[1], "UCX_Ell_LOD0_01");
-    assert_eq!(names("chair", "--name Stool").0, ["UCX_Stool_00"]);
-    let (found, stderr) = names("two", "");
-    assert!(found == ["UCX_two_00"] && stderr.contains("stand for 2 meshes of the source"), "{found:?} {stderr}");
-    fs::remove_file(folder.path().join("chair.glb")).unwrap();
-    let (found, stderr) = names("chair", "");
-    assert!(found == ["UCX_chair_00"] && stderr.contains("note: chair.hullmap: its source was not found"), "{stderr}");
-}
-
-#[test]
-fn what_cannot_be_exported_is_named() {
-    let folder = tempfile::tempdir().unwrap();
-    let flat = point_set("sheet", &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
-    let segment = point_set("rod", &[[0.0; 3], [1.0, 2.0, 3.0]]);
-    write_pack(&folder, "x.hullmap", &[tetrahedron("a"), flat, segment]);
-    for (line, left) in [
-        ("--for mjcf --out mjcf", "sheet (flat polygon), rod (segment)"),
-        ("--for unreal --out x.obj", "sheet (flat polygon), rod (segment)"),
-        ("--format stl --parts --out stl", "rod (segment)"),
-    ] {
-        let run = bake(&folder, &format!("export x.hullmap {line}")).expect(0);
-        assert!(run.stderr.contains("left out") && run.stderr.contains(left), "{line}: {run:?}");
-    }
-    assert_eq!(listed(&folder.path().join("stl")), ["a.stl", "sheet.stl"]);
-    assert_eq!(listed(&folder.path().join("mjcf")), ["a.obj", "x.xml"]);
-    let run = bake(&folder, "export x.hullmap --hull rod --for godot --out x.glb").expect(1);
-    assert!(run.stderr.contains("nothing to export") && !folder.path().join("x.glb").exists(), "{run:?}");
-}
-
-#[test]
-fn wrong_usage_names_the_remedy() {
-    let folder = tempfile::tempdir().unwrap();
-    write_pack(&folder, "x.hullmap", &[tetrahedron("a")]);
-    fs::create_dir(folder.path().join("folder")).unwrap();
-    fs::write(folder.path().join("file"), "").unwrap();
-    for (line, message) in [
-        ("", "add --format"),
-        ("--out x.ply", "obj, stl, glb, json"),
-        ("--for godot --format obj --out x.obj", "Godot takes glb"),
-        ("--for mjcf", "name a folder with --out"),
-        ("--for mjcf --out file", "names a file"),
-        ("--for mjcf --out rock.obj", "names a file"),
-        ("--for godot --out x.obj", "the format would be glb"),
-        ("--for unreal --out x.fbx", "the format would be glb"),
-        ("--out folder", "add --parts"),
-        ("--out y.hullmap", "extension of packs"),
-        ("--parts --format obj", "name a folder with --out"),
-        ("--format obj --out folder", "add --parts"),
-        ("--format obj --out y.hullmap", "extension of packs"),
-        ("--format obj --visible", "--for godot"),
-        ("--for mjcf --into x.glb --out y", "--into: adds colliders; add --for"),
-        ("--for unreal --into x.glb --out y.glb --static", "--static: Unreal reads no masses"),
-        ("--for omi --into x.glb", "name the file to write with --out"),
-        ("--for omi --into x.glb --out y.gltf", "with the extension glb"),
-        ("--for omi --into x.obj --out y.obj", "expected a glTF file"),
-        ("--for omi --into x.glb --out y.glb --up-axis y-to-z", "leave it out with --into"),
-        ("--for omi --into x.glb --out y.glb --static --density 7", "--density: only for files with masses"),
-        ("--for omi --into gone.glb --out y.glb", "--into gone.glb: cannot read"),
-        ("--for omi --out y.glb --static", "--into"),
-        ("--format obj --mesh-prefix p", "--for mjcf"),
-        ("--format obj --density 7", "--for mjcf"),
-        ("--format obj --name p", "--for"),
-    ] {
-        let run = bake(&folder, &format!("export x.hullmap {line}")).expect(2);
-        assert!(run.stderr.contains(message) && run.stdout.is_empty(), "{line}: {run:?}");
-    }
-    bake(&folder, "export gone.hullmap --format obj").expect(2);
-    assert_eq!(listed(folder.path()), ["file", "folder", "x.hullmap"]);
-}
-
-/// The source of a pack often has the name that a user would give to the export.
-#[test]
-fn existing_files_are_kept() {
-    let folder = tempfile::tempdir().unwrap();
-    write_pack(&folder, "x.hullmap", &[tetrahedron("a"), tetrahedron("b")]);
-    fs::create_dir(folder.path().join("parts")).unwrap();
-    for path in ["x.obj", "parts/b.obj"] {
-        fs::write(folder.path().join(path), "precious").unwrap();
-    }
-    let run = bake(&folder, "export x.hullmap --out x.obj").expect(2);
-    assert!(run.stderr.contains("already exists and was not changed"), "{run:?}");
-    bake(&folder, "export x.hullmap --parts --format obj --out parts").expect(2);
-    assert_eq!(listed(&folder.path().join("parts")), ["b.obj"], "nothing was written");
-    for path in ["x.obj", "parts/b.obj"] {
-        assert_eq!(fs::read_to_string(folder.path().join(path)).unwrap(), "precious");
-    }
-    bake(&folder, "export x.hullmap --out x.obj --force").expect(0);
-    bake(&folder, "export x.hullmap --parts --format obj --out parts --force").expect(0);
-    assert_eq!(listed(&folder.path().join("parts")), ["a.obj", "b.obj"], "no temporary file is left");
-    assert!(fs::read_to_string(folder.path().join("x.obj")).unwrap().contains("o b\n"));
-}
-
 /// The names in a pack are untrusted.
 #[test]
 fn untrusted_names_do_no_harm() {
@@ -513,14 +342,12 @@ fn rotations_are_exact_and_undone_by_the_build() {
 }
 
 #[test]
-fn a_recentred_pack_gets_a_note() {
+fn untrusted_names_stay_names_in_usd() {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("far.obj"), "v 1000 0 0\nv 1002 0 0\nv 1000 2 0\nv 1000 0 2\n").unwrap();
-    bake(&folder, "build far.obj --out . --recentre --quiet").expect(0);
-    let run = bake(&folder, "export far.hullmap --format obj").expect(0);
-    assert!(
-        run.stderr.contains("note: far.hullmap: coordinates are relative to the recorded origin, 1001 1 1"),
-        "{run:?}"
-    );
-    assert!(run.stdout.contains("v -1 -1 -1\n"), "{run:?}");
+    let names = ["a\"\n}\ndef Mesh \"evil", "@x@", "größe", "", "2nd", "../up", "tail\\"];
+    write_pack(&folder, "x.hullmap", &names.map(tetrahedron));
+    let text = bake(&folder, "export x.hullmap --for usd --prim /W").expect(0).stdout;
+    assert_eq!(text.matches("def Xform \"").count(), names.len());
+    assert_eq!(text.matches("def Mesh \"").count(), names.len());
+    assert!(!text.contains("\"evil") && text.contains("def Xform \"a____def_Mesh__evil_hulls\""), "{text}");
 }

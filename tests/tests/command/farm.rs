@@ -1,10 +1,9 @@
-//! One build on many machines: recorded paths, keys, shards, plans, status, merged
-//! reports, caches.
+//! One build on many machines: keys, tasks with hostile files, caches.
 
 use std::{collections::BTreeSet, fs, path::Path};
 
-use hullmap_outside::command::{Run, bake_in, command};
-use hullmap_outside::files::contents;
+use hullmap_outside::command::{Run, bake_line as run, command};
+use hullmap_outside::files::{contents, write};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -22,12 +21,6 @@ fn positions() -> Vec<u8> {
     [0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect()
 }
 
-fn write(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) {
-    let path = folder.join(name);
-    fs::create_dir_all(path.parent().unwrap()).unwrap();
-    fs::write(path, bytes).unwrap();
-}
-
 /// A folder `in` with `count` cubes of different sizes in three folders, and a glTF file.
 fn meshes(count: usize) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
@@ -42,39 +35,6 @@ fn write_meshes(folder: &Path, count: usize) {
     }
     write(folder, "in/a.gltf", GLTF);
     write(folder, "in/a.bin", positions());
-}
-
-fn run(folder: &Path, line: &str) -> Run {
-    bake_in(folder, line.split_whitespace())
-}
-
-#[test]
-fn with_name_or_none_packs_are_equal_in_every_layout() {
-    let folder = tempfile::tempdir().unwrap();
-    for layout in ["one/in", "two/deep/er"] {
-        write(folder.path(), &format!("{layout}/a.obj"), CUBE);
-    }
-    let bake = |choice: &str, layout: &str, out: &str| {
-        run(folder.path(), &format!("build {layout} --out {out} --record-source {choice}")).expect(0);
-        fs::read(folder.path().join(out).join("a.hullmap")).unwrap()
-    };
-    for (choice, expected) in [("name", "a.obj"), ("none", "")] {
-        let one = bake(choice, "one/in", &format!("{choice}/one"));
-        let two = bake(choice, "two/deep/er", &format!("{choice}/two/x"));
-        assert_eq!(one, two, "{choice}");
-        let described = run(folder.path(), &format!("inspect {choice}/one --json")).expect(0).json();
-        assert_eq!(described[0]["source"], expected);
-        run(folder.path(), &format!("verify {choice}/one --source one/in --require-source")).expect(0);
-        run(folder.path(), &format!("build one/in --out {choice}/one --record-source {choice} --check")).expect(0);
-    }
-    assert_ne!(bake("relative", "one/in", "r/one"), bake("relative", "two/deep/er", "r/two/x"));
-    // Freshness includes the recorded path, which can be chosen in the file of options. A build
-    // that was started elsewhere may have recorded the name.
-    run(folder.path(), "build one/in --out name/one --check").expect(0);
-    run(folder.path(), "build one/in --out r/one --check").expect(0);
-    write(folder.path(), "one/in/hullmap.toml", "[defaults]\nrecord_source = \"name\"\n");
-    run(folder.path(), "build one/in --out name/one --check").expect(0);
-    run(folder.path(), "build one/in --out r/one --check").expect(1);
 }
 
 #[test]
@@ -119,135 +79,11 @@ fn equal_keys_mean_equal_packs() {
     run(folder.path(), "key in").expect(1);
 }
 
-#[test]
-fn shards_make_the_packs_of_one_build() {
-    let folder = meshes(30);
-    run(folder.path(), "build in --out whole").expect(0);
-    let mut rows = 0;
-    for index in 0..4 {
-        let out = run(folder.path(), &format!("build in --out shards --shard {index}/4 --json")).expect(0);
-        rows += out.json().len();
-        assert!(out.json().len() < 31 / 2, "{}", out.stdout);
-        let status = run(folder.path(), "status in --out shards --json");
-        let present = status.json().iter().filter(|row| row["status"] == "present").count();
-        assert_eq!(present, rows, "each pack is made by one shard");
-    }
-    assert_eq!(rows, 31);
-    let packs = contents(&folder.path().join("shards"));
-    assert_eq!(packs, contents(&folder.path().join("whole")));
-    assert_eq!(packs.len(), 31);
-
-    // A shard prunes its own orphans, and only those.
-    fs::remove_file(folder.path().join("in/0/0.obj")).unwrap();
-    let pruned: Vec<usize> = (0..4)
-        .map(|index| {
-            let run = run(folder.path(), &format!("build in --out shards --shard {index}/4 --prune --json")).expect(0);
-            run.json().iter().filter(|row| row["status"] == "pruned").count()
-        })
-        .collect();
-    assert_eq!(pruned.iter().sum::<usize>(), 1, "{pruned:?}");
-    run(folder.path(), "build in --out shards --shard 4/4").expect(2);
-}
-
-#[test]
-fn the_status_names_what_is_missing_and_its_shards() {
-    let folder = meshes(9);
-    let status = |line: &str| run(folder.path(), &format!("status in --out o {line}"));
-    assert!(status("").expect(1).stdout.ends_with("0 present, 0 stale, 10 missing\n"));
-    run(folder.path(), "build in --out o").expect(0);
-    assert_eq!(status("--shards 5").expect(0).stdout, "incomplete shards of 5: none\n10 present, 0 stale, 0 missing\n");
-    assert!(status("--index compact").expect(1).stdout.contains("the options have changed"));
-
-    // Truncated behind its header, damaged at its start, gone.
-    let pack = |name: &str| folder.path().join("o").join(name);
-    let bytes = fs::read(pack("0/0.hullmap")).unwrap();
-    fs::write(pack("0/0.hullmap"), &bytes[..bytes.len() - 1]).unwrap();
-    fs::write(pack("1/1.hullmap"), "no pack").unwrap();
-    fs::remove_file(pack("2/2.hullmap")).unwrap();
-    let rows = status("--json --shards 5").expect(1).json();
-    let of = |name: &str| rows.iter().find(|row| row["output"] == format!("o/{name}.hullmap")).unwrap().clone();
-    assert_eq!([of("0/0"), of("1/1"), of("2/2")].map(|row| row["status"].clone()), ["stale", "stale", "missing"]);
-    let text = status("--shards 5").expect(1).stdout;
-    let listed = text.lines().find_map(|line| line.strip_prefix("incomplete shards of 5: ")).unwrap();
-    // Running these shards again completes the build.
-    for index in listed.split(',') {
-        run(folder.path(), &format!("build in --out o --shard {index}/5")).expect(0);
-    }
-    status("").expect(0);
-}
-
 /// The tasks of a plan in this folder.
 fn plan(folder: &Path, line: &str) -> Vec<Value> {
     let out = run(folder, &format!("plan {line}")).expect(0);
     fs::write(folder.join("plan.jsonl"), &out.stdout).unwrap();
     out.json()
-}
-
-#[test]
-fn tasks_of_a_plan_make_the_packs_of_a_build() {
-    let folder = meshes(40);
-    write(folder.path(), "in/hullmap.toml", "[[rule]]\nfiles = \"1/*.obj\"\nindex = \"compact\"\n");
-    run(folder.path(), "build in --out whole").expect(0);
-    let tasks = plan(folder.path(), "in --out o --batch 8");
-    assert!(tasks.len() > 3, "{}", tasks.len());
-    assert!(!folder.path().join("o").exists(), "a plan bakes nothing");
-    let meshes: usize = tasks.iter().map(|task| task["meshes"].as_array().unwrap().len()).sum();
-    assert_eq!(meshes, 41);
-    // A task needs neither the options nor the list of all meshes.
-    fs::remove_file(folder.path().join("in/hullmap.toml")).unwrap();
-    for index in (0..tasks.len()).rev() {
-        run(folder.path(), &format!("task plan.jsonl --index {index} --quiet")).expect(0);
-    }
-    assert_eq!(contents(&folder.path().join("o")), contents(&folder.path().join("whole")));
-    let again = run(folder.path(), "task plan.jsonl --json").expect(0).json();
-    assert!(again.len() == 41 && again.iter().all(|row| row["status"] == "fresh"));
-
-    // Into another folder. The recorded path is the planned one.
-    run(folder.path(), "task plan.jsonl --out elsewhere --quiet").expect(0);
-    assert_eq!(contents(&folder.path().join("elsewhere")), contents(&folder.path().join("whole")));
-    run(folder.path(), "task plan.jsonl --index 1000").expect(2);
-}
-
-#[test]
-fn an_edit_changes_one_task_and_a_task_bakes_nothing_else_than_planned() {
-    let folder = meshes(40);
-    let before = plan(folder.path(), "in --out o --batch 8");
-    write(folder.path(), "in/0/0.obj", CUBE.replace("1 1 1", "3 3 3"));
-    let run_old = run(folder.path(), "task plan.jsonl --json").expect(1);
-    let failed: Vec<Value> = run_old.json().into_iter().filter(|row| row["status"] == "failed").collect();
-    assert_eq!(failed.len(), 1);
-    assert!(failed[0]["error"].as_str().unwrap().contains("changed since it was planned"));
-    let after = plan(folder.path(), "in --out o --batch 8");
-    assert_eq!(before.iter().zip(&after).filter(|(a, b)| a["key"] != b["key"]).count(), 1);
-
-    // With results in a file, a rejected mesh is no failure of the action.
-    write(folder.path(), "in/0/0.obj", "v 0\n");
-    plan(folder.path(), "in --out p --batch 8");
-    run(folder.path(), "task plan.jsonl --results rows.json --quiet").expect(0);
-    let rows = fs::read_to_string(folder.path().join("rows.json")).unwrap();
-    let failed = rows.lines().filter(|line| line.contains("\"status\":\"failed\"")).count();
-    assert_eq!((rows.lines().count(), failed), (41, 1));
-}
-
-#[test]
-fn hostile_plans_are_rejected() {
-    let folder = meshes(1);
-    let text = run(folder.path(), "plan in/0/0.obj --out o").expect(0).stdout;
-    for (from, to) in [
-        ("0.hullmap", "../0.hullmap"),
-        ("0.hullmap", "/tmp/0.hullmap"),
-        ("0.hullmap", "0.obj"),
-        ("index tree 8", "index oak"),
-        ("\"meshes\":[", "\"meshes\":[3,"),
-        ("{", "["),
-    ] {
-        let hostile = text.replacen(from, to, 1);
-        assert_ne!(hostile, text, "{from}");
-        fs::write(folder.path().join("hostile.jsonl"), hostile).unwrap();
-        let run = run(folder.path(), "task hostile.jsonl").expect(2);
-        assert!(run.stderr.contains("plan again") || run.stderr.contains("is not a task"), "{}", run.stderr);
-    }
-    assert!(!folder.path().join("o").exists() && !folder.path().join("0.hullmap").exists());
 }
 
 /// `/dev/zero` was read to 4 GiB although the plan stated 200 bytes, a pipe blocked the task, and
@@ -290,59 +126,11 @@ fn a_task_trusts_neither_files_nor_keys() {
     task(&[(&inputs, "\"inputs\":[]")], 0);
 }
 
-#[test]
-fn a_plan_for_ninja_names_every_file() {
-    let folder = meshes(2);
-    write(folder.path(), "in/odd $name.obj", CUBE);
-    let text = run(folder.path(), "plan in --out o --emit ninja").expect(0).stdout;
-    for file in ["in/0/0.obj", "in/a.gltf", "in/a.bin", "in/odd$ $$name.obj", "o/odd$ $$name.hullmap"] {
-        assert!(text.contains(file), "{file}: {text}");
-    }
-    // `.ci/farm` runs Ninja; this runs what it would run.
-    let task = text.lines().find_map(|line| line.strip_prefix("  task = ")).unwrap().replace("$$", "$");
-    write(folder.path(), "bake-task-0.json", task);
-    run(folder.path(), "task bake-task-0.json --jobs 1 --quiet").expect(0);
-    run(folder.path(), "build in --out whole").expect(0);
-    assert_eq!(contents(&folder.path().join("o")), contents(&folder.path().join("whole")));
-}
-
-#[test]
-fn reports_of_shards_merge() {
-    let folder = meshes(6);
-    run(folder.path(), "build in --out o").expect(0);
-    let report = |line: &str| run(folder.path(), &format!("report o --directions 100 {line}"));
-    report("--out whole/r.html").expect(0);
-    report("--out merged/r.html --shard 0/2").expect(0);
-    assert!(!folder.path().join("merged/r.html").exists());
-    let error = report("--out merged/r.html --merge").expect(2).stderr;
-    assert!(error.contains("1/2"), "{error}");
-    report("--out merged/r.html --shard 1/2").expect(0);
-    report("--out merged/r.html --merge").expect(0);
-    let [whole, mut merged] = ["whole", "merged"].map(|name| contents(&folder.path().join(name)));
-    merged.retain(|name, _| !name.contains("shard-"));
-    // Times in the pages of packs differ.
-    assert_eq!(whole["r.html"], merged["r.html"]);
-    assert!(whole.keys().eq(merged.keys()), "{:?} {:?}", whole.keys(), merged.keys());
-
-    // A card is data, not HTML.
-    let cards = folder.path().join("merged/r.pages/shard-0-of-2.json");
-    let text = fs::read_to_string(&cards).unwrap();
-    for (from, to) in [
-        ("data:image/png;base64,", "data:image/png;base64,\\\" onload=\\\"evil()"),
-        ("\"exact\"", "\"<script>\""),
-        ("[", "<"),
-    ] {
-        assert!(text.contains(from), "{from}");
-        fs::write(&cards, text.replacen(from, to, 1)).unwrap();
-        report("--out merged/r.html --merge").expect(1);
-    }
-}
-
 /// 13 meshes in two checkouts, and in `one/local` their packs of a build without a cache.
 fn checkouts() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     ["one", "two"].iter().for_each(|checkout| write_meshes(&folder.path().join(checkout), 12));
-    run(&folder.path().join("one"), "build in --out local").expect(0);
+    run(folder.path().join("one"), "build in --out local").expect(0);
     folder
 }
 
@@ -366,11 +154,11 @@ fn origins(run: &Run) -> [usize; 2] {
 fn checkouts_share_a_cache() {
     let folder = checkouts();
     let path = |name: &str| folder.path().join(name);
-    let keys = run(&path("one"), "key in --out o --json").expect(0).json();
+    let keys = run(path("one"), "key in --out o --json").expect(0).json();
     let keys: BTreeSet<&str> = keys.iter().map(|row| row["key"].as_str().unwrap()).collect();
     let entries: Vec<String> = keys.iter().map(|key| format!("{}/{key}.hullmap", &key[..2])).collect();
     // A killed build left this file, which is removed.
-    write(&path("cache"), &entries[0].replace('/', "/.").replace(".hullmap", ".hullmapAbCdEf.tmp"), "half");
+    write(path("cache"), &entries[0].replace('/', "/.").replace(".hullmap", ".hullmapAbCdEf.tmp"), "half");
     assert_eq!(origins(&build_with_cache(folder.path(), "one", "")), [0, 13]);
     assert_eq!(contents(&path("cache")).into_keys().collect::<Vec<_>>(), entries);
 
@@ -378,38 +166,38 @@ fn checkouts_share_a_cache() {
     assert_eq!(origins(&second), [13, 0]);
     let rows = second.json();
     assert!(rows.iter().all(|row| row["status"] == "baked" && row["hulls"] == 1 && row["reason"].is_string()));
-    let text = run(&path("two"), "build in --out p --cache ../cache").expect(0).stdout;
+    let text = run(path("two"), "build in --out p --cache ../cache").expect(0).stdout;
     assert!(text.contains("13 baked (13 from the cache), 0 fresh, 0 failed; 13 hulls"), "{text}");
-    assert_eq!(origins(&run(&path("two"), "build in --out p --cache ../cache --json").expect(0)), [0, 0]);
+    assert_eq!(origins(&run(path("two"), "build in --out p --cache ../cache --json").expect(0)), [0, 0]);
     assert_eq!(origins(&build_with_cache(folder.path(), "two", "--force")), [0, 13]);
 
     // In shards and tasks.
     let mut taken = 0;
     for shard in 0..3 {
         let line = format!("build in --out s --cache ../cache --json --shard {shard}/3");
-        taken += origins(&run(&path("two"), &line).expect(0))[0];
+        taken += origins(&run(path("two"), &line).expect(0))[0];
     }
     assert_eq!(taken, 13);
     plan(&path("two"), "in --out t");
-    let task = run(&path("two"), "task plan.jsonl --cache ../cache --json").expect(0);
+    let task = run(path("two"), "task plan.jsonl --cache ../cache --json").expect(0);
     assert_eq!(origins(&task), [13, 0]);
     assert_eq!(contents(&path("two/t")), contents(&path("one/local")));
 
     // One mesh is edited, others have other options or keep their triangles.
-    write(&path("two"), "in/0/0.obj", CUBE.replace("1 1 1", "5 5 5"));
-    assert_eq!(origins(&run(&path("two"), "build in --out p --cache ../cache --json --force").expect(0)), [0, 13]);
-    assert_eq!(origins(&run(&path("two"), "build in --out q --cache ../cache --json").expect(0)), [13, 0]);
+    write(path("two"), "in/0/0.obj", CUBE.replace("1 1 1", "5 5 5"));
+    assert_eq!(origins(&run(path("two"), "build in --out p --cache ../cache --json --force").expect(0)), [0, 13]);
+    assert_eq!(origins(&run(path("two"), "build in --out q --cache ../cache --json").expect(0)), [13, 0]);
     for expected in [[0, 13], [13, 0]] {
         let line = format!("build in --out k{} --cache ../cache --json --keep-triangles", expected[0]);
-        assert_eq!(origins(&run(&path("two"), &line).expect(0)), expected);
+        assert_eq!(origins(&run(path("two"), &line).expect(0)), expected);
     }
     assert_eq!(contents(&path("two/k0")).len(), 13);
     // A mesh that is rejected is no entry.
-    write(&path("two"), "in/0/0.obj", "v 0\n");
+    write(path("two"), "in/0/0.obj", "v 0\n");
     for _ in 0..2 {
-        run(&path("two"), "build in --out q --cache ../cache --json").expect(1);
+        run(path("two"), "build in --out q --cache ../cache --json").expect(1);
     }
-    assert!(run(&path("two"), "build in --out q --cache ../cache --check").expect(2).stderr.contains("--check"));
+    assert!(run(path("two"), "build in --out q --cache ../cache --check").expect(2).stderr.contains("--check"));
 }
 
 #[test]
@@ -418,12 +206,12 @@ fn an_entry_is_judged_like_any_pack() {
     let folder = checkouts();
     let path = |name: &str| folder.path().join(name);
     let other = fs::read(path("one/local/0/3.hullmap")).unwrap();
-    run(&path("one"), "build in/0/0.obj --out odd --index none --quiet").expect(0);
+    run(path("one"), "build in/0/0.obj --out odd --index none --quiet").expect(0);
     let odd = fs::read(path("one/odd/0.hullmap")).unwrap();
-    run(&path("one"), "build in/0/0.obj --out elsewhere --quiet").expect(0);
+    run(path("one"), "build in/0/0.obj --out elsewhere --quiet").expect(0);
     let moved = fs::read(path("one/elsewhere/0.hullmap")).unwrap();
     build_with_cache(folder.path(), "one", "");
-    let row = &run(&path("one"), "key in/0/0.obj --out o/0 --json").expect(0).json()[0];
+    let row = &run(path("one"), "key in/0/0.obj --out o/0 --json").expect(0).json()[0];
     let key = row["key"].as_str().unwrap();
     let entry = path("cache").join(&key[..2]).join(format!("{key}.hullmap"));
     let honest = fs::read(&entry).unwrap();

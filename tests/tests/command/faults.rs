@@ -3,12 +3,12 @@
 
 use std::{
     fs,
-    os::unix::fs::symlink,
     process::{Command, Stdio},
     sync::atomic::{AtomicBool, Ordering::Relaxed},
 };
 
-use hullmap_outside::command::{bake_in, binary};
+use hullmap_outside::command::{bake_in, bake_line, binary};
+use hullmap_outside::files::folder;
 use hullmap_tests::faults::{
     calls,
     inject::{Errno, Fault, Injector},
@@ -69,44 +69,9 @@ fn a_power_cut_after_every_operation() {
 
 const CUBE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n";
 
-/// A folder with these files.
-fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in files {
-        let path = folder.path().join(name);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, text).unwrap();
-    }
-    folder
-}
-
 #[track_caller]
 fn bake(folder: &tempfile::TempDir, line: &str, code: i32) -> String {
-    bake_in(folder.path(), line.split_whitespace()).expect(code).stderr
-}
-
-/// A link to itself cannot be followed.
-#[test]
-fn circular_links_are_reported_or_replaced() {
-    let folder = folder(&[("in/a.obj", CUBE)]);
-    let link = |to: &str, at: &str| symlink(to, folder.path().join(at)).unwrap();
-    link("loop.obj", "loop.obj");
-    let message = bake(&folder, "build loop.obj --out o", 2);
-    assert!(message.contains("loop.obj: cannot read this input") && message.contains("os error 40"), "{message}");
-    // In a folder it is a mesh that cannot be read.
-    link("loop.obj", "in/loop.obj");
-    let message = bake(&folder, "build in --out o", 2);
-    assert!(message.contains("os error 40"), "{message}");
-    fs::remove_file(folder.path().join("in/loop.obj")).unwrap();
-    fs::remove_dir_all(folder.path().join("o")).unwrap();
-    link("out", "out");
-    let message = bake(&folder, "build in --out out", 2);
-    assert!(message.contains("out: cannot create this folder"), "{message}");
-    // At the pack's own path, the renamed file replaces the link, not the link's target.
-    fs::create_dir(folder.path().join("o")).ok();
-    link("a.hullmap", "o/a.hullmap");
-    bake(&folder, "build in --out o", 0);
-    bake(&folder, "build in --out o --check", 0);
+    bake_line(folder, line).expect(code).stderr
 }
 
 /// The packs are complete, and the failure to print the table is reported.
@@ -155,25 +120,6 @@ fn a_source_that_is_rewritten_in_place_during_a_bake() {
     });
     bake(&folder, "build in --out o", 0);
     bake(&folder, "verify o --require-source", 0);
-}
-
-/// The temporary file of a killed bake was never removed if its mesh no longer existed at the next
-/// bake, or if it was to become a depfile.
-#[test]
-fn temporary_files_are_swept_wherever_they_are() {
-    let folder = folder(&[
-        ("in/a.obj", CUBE),
-        ("o/once/.b.hullmapAbCdEf.tmp", "half"),
-        ("deps/.a.d.hullmapAbCdEf.tmp", "half"),
-        ("pages/.report.html.hullmapAbCdEf.tmp", "half"),
-    ]);
-    bake(&folder, "build in --out o --depfile deps/a.d", 0);
-    bake(&folder, "report o --out pages/report.html", 0);
-    for name in ["o/once", "deps", "pages"] {
-        let names: Vec<_> =
-            fs::read_dir(folder.path().join(name)).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-        assert!(names.iter().all(|name| !name.to_string_lossy().ends_with(".tmp")), "{name}: {names:?}");
-    }
 }
 
 /// If the status of the option file could not be read, its meshes were silently baked without it.

@@ -11,17 +11,12 @@ use std::{
 };
 
 use hullmap_outside::command::{bake_in, binary, command};
+use hullmap_outside::files::write;
 use shapes::families::Family;
 use tempfile::TempDir;
 
 /// A step that takes longer counts as hung. Loaded machines are slow.
 const PATIENCE: Duration = Duration::from_secs(120);
-
-fn write(folder: &TempDir, name: &str, text: &str) {
-    let path = folder.path().join(name);
-    fs::create_dir_all(path.parent().unwrap()).unwrap();
-    fs::write(path, text).unwrap();
-}
 
 /// A cloud of this many points on a sphere as OBJ text.
 fn sphere(count: usize, seed: u64) -> String {
@@ -32,7 +27,7 @@ fn sphere(count: usize, seed: u64) -> String {
 fn meshes(count: usize, points: usize) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for index in 0..count {
-        write(&folder, &format!("in/{index}.obj"), &sphere(points, index as u64));
+        write(&folder, &format!("in/{index}.obj"), sphere(points, index as u64));
     }
     folder
 }
@@ -286,7 +281,7 @@ fn a_watch_bakes_what_changes_survives_errors_and_ends_on_ctrl_c() {
     wait_for(&out, "3 baked, 0 fresh");
     wait_for(&messages, "watching for changes");
 
-    write(&folder, "in/1.obj", &sphere(41, 9));
+    write(&folder, "in/1.obj", sphere(41, 9));
     assert!(wait_for(&messages, "changed: ").contains("in/1.obj"));
     wait_for(&out, "1 baked, 0 fresh");
     wait_for(&messages, "watching");
@@ -294,11 +289,11 @@ fn a_watch_bakes_what_changes_survives_errors_and_ends_on_ctrl_c() {
     write(&folder, "in/1.obj", "v 1 2\n");
     wait_for(&messages, "error: in/1.obj:1: ");
     wait_for(&messages, "watching");
-    write(&folder, "in/1.obj", &sphere(42, 9));
+    write(&folder, "in/1.obj", sphere(42, 9));
     wait_for(&out, "1 baked, 0 fresh");
     wait_for(&messages, "watching");
 
-    write(&folder, "in/new/4.obj", &sphere(43, 9));
+    write(&folder, "in/new/4.obj", sphere(43, 9));
     wait_for(&out, "1 baked");
     wait_for(&messages, "watching");
     let start = Instant::now();

@@ -2,14 +2,14 @@
 
 mod assets;
 mod budgets;
+#[cfg(target_os = "linux")]
+mod cases;
 mod decompose;
 mod document;
 mod export;
 mod farm;
 #[cfg(target_os = "linux")]
 mod faults;
-#[cfg(unix)]
-mod folders;
 #[cfg(unix)]
 mod interruptions;
 mod meshes;
@@ -24,5 +24,4 @@ mod subcommands;
 mod surfaces;
 #[cfg(unix)]
 mod untrusted;
-mod usd;
 mod voids;

@@ -9,7 +9,7 @@ use hullmap_bake::{
     BakedHull, IndexKind, NO_SOURCE_VERTEX, PointSet, SolidKind, SourceRecord, bake_hull, fit::fits, write_pack,
 };
 use hullmap_format::{archive::ArchivedHullRecord, header::source_hash, version::EXTENDED_FORMAT_VERSION};
-use hullmap_outside::command::{Run, bake_in};
+use hullmap_outside::command::{bake_in, bake_line as bake};
 use hullmap_testkit::packs::{self, Further, reseal};
 use hullmap_tests::hostile::patch::{archive, changed, payload};
 use shapes::{
@@ -23,10 +23,6 @@ use tempfile::TempDir;
 /// A U of three bars, as boxes that touch.
 const HORSESHOE: [[[f64; 3]; 2]; 3] =
     [[[0.0, 0.0, 0.0], [3.0, 1.0, 1.0]], [[0.0, 1.0, 0.0], [1.0, 3.0, 1.0]], [[2.0, 1.0, 0.0], [3.0, 3.0, 1.0]]];
-
-fn bake(folder: &TempDir, line: &str) -> Run {
-    bake_in(folder.path(), line.split_whitespace())
-}
 
 fn horseshoe(name: &str) -> String {
     let mut text = format!("o {name}\n");
@@ -47,30 +43,6 @@ fn horseshoe(name: &str) -> String {
 
 fn points(points: &[[f32; 3]]) -> String {
     points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect()
-}
-
-/// A warning states the error if there are too few parts, or if the decomposition runs out of time.
-#[test]
-fn decomposed_meshes_state_the_error_that_was_reached() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("u.obj"), horseshoe("u")).unwrap();
-    // The U fills 7 of the 9 units of its hull.
-    let row = bake(&folder, "build u.obj --out whole --json").expect(0).json()[0].clone();
-    assert!(row["notes"].to_string().contains("28.6% more volume"), "{row}");
-    assert!(row["notes"].to_string().contains("use --decompose"), "{row}");
-    let row =
-        bake(&folder, "build u.obj --out few --decompose --max-parts 2 --verify --json").expect(0).json()[0].clone();
-    assert!(!row["notes"].to_string().contains("more volume"), "{row}");
-    assert!((1..=2).contains(&row["hulls"].as_u64().unwrap()), "{row}");
-    assert!(row["warnings"].to_string().contains("with at most 2 parts"), "{row}");
-    assert_eq!(row["objects"][0]["flaws"], serde_json::json!(["protruding"]), "{row}");
-    let line = "build u.obj --out late --decompose --decompose-seconds 1e-9 --verify --json";
-    let row = bake(&folder, line).expect(0).json()[0].clone();
-    assert!((2..=8).contains(&row["hulls"].as_u64().unwrap()), "{row}");
-    assert!(row["warnings"].to_string().contains("--decompose-seconds; increase it"), "{row}");
-    for report in bake(&folder, "verify few late --json").expect(0).json() {
-        assert_eq!(report["pass"], true, "{report}");
-    }
 }
 
 #[test]
@@ -348,34 +320,6 @@ fn wrong_voids_fail_verify() {
     // The numbers are read back to within a digit of f64.
     let is_same = |field: &str, stored: f64| (of_hull[field].as_f64().unwrap() - stored).abs() <= 1e-15 * stored;
     assert!(is_same("voids", voids.share) && is_same("voids_error", voids.error), "{of_hull} {voids:?}");
-}
-
-/// A sheet whose parts may be no thicker than half of a small error: they are covered and within
-/// their bounds, but an engine cannot use them.
-#[test]
-fn thin_parts_pass_with_a_warning_and_a_remedy() {
-    let folder = tempfile::tempdir().unwrap();
-    let sheet = "o s\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 0 1 1\nf 1 2 3 4\nf 1 4 6 5\n";
-    fs::write(folder.path().join("s.obj"), sheet).unwrap();
-    for (error, is_thin) in [("0.1%", true), ("2%", false)] {
-        let line = format!("build s.obj --out baked --decompose --max-error {error} --json");
-        let built = bake(&folder, &line).expect(0).json()[0].clone();
-        let object = &built["objects"][0];
-        let flaws = if is_thin { serde_json::json!(["thin"]) } else { serde_json::json!([]) };
-        assert_eq!((&object["parts"], &object["flaws"]), (&2.into(), &flaws), "{built}");
-        let warnings = built["warnings"].to_string();
-        assert_eq!(warnings.contains("2 of 2 parts are thinner than 0.1% of the diagonal"), is_thin, "{warnings}");
-        assert!(!warnings.contains("hull s_part"), "{warnings}");
-        let ran = bake(&folder, "verify baked").expect(0);
-        let expected = if is_thin { "0 exact, 2 passed with warnings, 0 failed" } else { "0 exact, 2 parts within" };
-        assert!(ran.stdout.contains(expected), "{ran:?}");
-        assert_eq!(ran.stderr.contains("try another --max-error"), is_thin, "{ran:?}");
-        let row = bake(&folder, "verify baked --json").expect(0).json()[0].clone();
-        assert_eq!(row["warnings"].as_array().unwrap().is_empty(), !is_thin, "{row}");
-        let thickness = if is_thin { 0.0005 } else { 0.005 } * 3_f64.sqrt();
-        let found = row["thickness"].as_f64().unwrap();
-        assert!((found - thickness).abs() < 0.1 * thickness, "{found} {thickness}");
-    }
 }
 
 /// The collision parts of a solid cube: six slabs around a hollow that is an eighth of it.

@@ -5,7 +5,7 @@ use std::fs;
 
 use glam::{DQuat, DVec3};
 use hullmap::Pack;
-use hullmap_outside::command::{Run, bake_in};
+use hullmap_outside::command::bake_line as bake;
 use hullmap_testkit::packs::{Further, with_record};
 use shapes::{
     mesh::Mesh,
@@ -13,13 +13,8 @@ use shapes::{
     rng::SplitMix64,
     solids::lathe,
 };
-use tempfile::TempDir;
 
 const SEED: u64 = 47;
-
-fn bake(folder: &TempDir, line: &str) -> Run {
-    bake_in(folder.path(), line.split_whitespace())
-}
 
 /// A slab on four legs of different heights.
 const TABLE: [[[f64; 3]; 2]; 5] = [

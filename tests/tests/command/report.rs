@@ -145,14 +145,6 @@ fn page(folder: &TempDir, pack: &str) -> PathBuf {
     folder.path().join("page.html")
 }
 
-/// All contents except measurements.
-fn without_times(page: &str) -> String {
-    let (before, rest) = page.split_once("<!-- times -->").unwrap();
-    let (times, after) = rest.split_once("<!-- /times -->").unwrap();
-    assert!(times.contains(" ns"));
-    format!("{before}{after}")
-}
-
 fn text(path: impl AsRef<Path>) -> String {
     fs::read_to_string(path).unwrap()
 }
@@ -479,46 +471,6 @@ fn the_worst_part_is_first_and_has_its_colour() {
     )));
 }
 
-/// Thin parts were green: within their bounds, and of no use to an engine.
-#[test]
-fn thin_parts_are_not_green() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::create_dir(folder.path().join("in")).unwrap();
-    let sheet = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 0 1 1\nf 1 2 3 4\nf 1 4 6 5\n";
-    fs::write(folder.path().join("in/sheet.obj"), sheet).unwrap();
-    run(&folder, &["build", "in", "--out", "packs", "--decompose", "--max-error", "0.1%"]).expect(0);
-    let html = text(page(&folder, "sheet"));
-    assert!(html.contains("chip odd\">parts need attention<") && html.contains("chip odd\">parts are thin<"));
-    assert_eq!(html.matches("2 of 2 parts are thinner than 0.1% of the diagonal").count(), 1, "stated once");
-    assert!(!html.contains("chip good"), "nothing on the page is green");
-    run(&folder, &["report", "packs", "--out", "all.html"]).expect(0);
-    assert!(text(folder.path().join("all.html")).contains("chip odd\">1 pack parts need attention<"));
-}
-
-/// The overview had "all verified" in green, while a card had "bounds unchecked" in amber.
-#[test]
-fn an_overview_is_green_only_if_its_cards_are() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::create_dir(folder.path().join("in")).unwrap();
-    for name in ["in/u.obj", "in/v.obj"] {
-        fs::write(folder.path().join(name), concave_prism()).unwrap();
-    }
-    run(&folder, &["build", "in", "--out", "packs", "--decompose", "--max-error", "30%"]).expect(0);
-    let overview = || {
-        run(&folder, &["report", "packs", "--out", "report.html"]).expect(0);
-        let page = text(folder.path().join("report.html"));
-        let head = page.split("</h1>").nth(1).unwrap().split("</div>").next().unwrap().to_owned();
-        (head, page)
-    };
-    let (head, page) = overview();
-    assert_eq!(head, "<span class=\"chip good\">all verified</span>");
-    assert_eq!(page.matches("class=\"chip good\">within its bounds<").count(), 2);
-    fs::remove_file(folder.path().join("in/v.obj")).unwrap();
-    let (head, page) = overview();
-    assert_eq!(head, "<span class=\"chip odd\">1 pack bounds unchecked</span>");
-    assert_eq!(page.matches("class=\"chip odd\">bounds unchecked<").count(), 1);
-}
-
 #[test]
 fn convex_parts_are_verified_against_the_source_cut_again() {
     let folder = tempfile::tempdir().unwrap();
@@ -632,43 +584,6 @@ fn hostile_names_stay_text() {
 }
 
 #[test]
-fn pages_differ_only_in_times() {
-    let folder = baked(&["torus_knot", "prism_500"], &[]);
-    for asset in ["torus_knot", "prism_500"] {
-        let pack = format!("packs/{asset}.hullmap");
-        run(&folder, &["report", &pack, "--out", "a.html"]).expect(0);
-        run(&folder, &["report", &pack, "--out", "b.html"]).expect(0);
-        let [a, b] = ["a.html", "b.html"].map(|name| without_times(&text(folder.path().join(name))));
-        assert_eq!(a, b, "{asset}");
-    }
-    run(&folder, &["report", "packs", "--out", "a.html"]).expect(0);
-    let first = text(folder.path().join("a.html"));
-    run(&folder, &["report", "packs", "--out", "a.html"]).expect(0);
-    assert_eq!(first, text(folder.path().join("a.html")));
-    let name = |entry: fs::DirEntry| entry.file_name().into_string().unwrap();
-    let mut left: Vec<String> = fs::read_dir(folder.path()).unwrap().map(|entry| name(entry.unwrap())).collect();
-    left.sort();
-    assert_eq!(left, ["a.html", "a.pages", "b.html", "in", "packs"], "nothing temporary");
-}
-
-#[test]
-fn pages_are_self_contained() {
-    let folder = baked(&["dodecahedron"], &[]);
-    run(&folder, &["report", "packs", "--out", "report.html"]).expect(0);
-    let machine = folder.path().canonicalize().unwrap();
-    for page in ["report.html", "report.pages/dodecahedron.hullmap.html"] {
-        let page = text(folder.path().join(page)).replace("http://www.w3.org/2000/svg", "");
-        assert!(
-            !page.contains("http:") && !page.contains("https:") && !page.contains("url(") && !page.contains("@import"),
-            "nothing is fetched"
-        );
-        assert!(page.split(" src=\"").skip(1).all(|rest| rest.starts_with("data:")));
-        assert!(page.contains("Content-Security-Policy"));
-        assert!(!page.contains(machine.to_str().unwrap()), "no path of the machine");
-    }
-}
-
-#[test]
 fn missing_or_changed_sources_are_reported() {
     let folder = baked(&["gear"], &[]);
     let pack = "packs/gear.hullmap";
@@ -694,36 +609,6 @@ fn missing_or_changed_sources_are_reported() {
     assert!(run.stderr.contains("stale"), "{run:?}");
     let page = text(folder.path().join("page.html"));
     assert!(page.contains("class=\"chip bad\">failed<") && page.contains("stale"));
-}
-
-#[test]
-fn exit_codes_match_the_other_commands() {
-    let folder = baked(&["cube", "cone"], &[]);
-    for words in [
-        &["report"][..],
-        &["report", "packs"],
-        &["report", "gone.hullmap", "--out", "x.html"],
-        &["report", "in", "--out", "x.html"],
-        &["report", "packs", "--out", "packs"],
-        &["report", "packs", "--out", "x.html", "--directions", "0"],
-        &["report", "packs/cube.hullmap", "--out", "packs/cube.hullmap/x.html"],
-    ] {
-        let run = run(&folder, words).expect(2);
-        assert!(run.stdout.is_empty() && !run.stderr.is_empty(), "{words:?}");
-    }
-    let damaged = folder.path().join("packs/cube.hullmap");
-    let mut bytes = fs::read(&damaged).unwrap();
-    bytes[200] ^= 1;
-    fs::write(&damaged, bytes).unwrap();
-    run(&folder, &["report", "packs/cube.hullmap", "--out", "x.html"]).expect(1);
-    assert!(!folder.path().join("x.html").exists());
-    // Among other packs it has a card but no page.
-    let run = run(&folder, &["report", "packs", "--out", "x.html"]).expect(1);
-    assert!(run.stderr.contains("cube.hullmap") && run.stderr.contains("checksum"), "{run:?}");
-    let index = text(folder.path().join("x.html"));
-    assert!(index.contains("<span class=\"chip bad\">1 pack not opened</span>") && links(&index).len() == 2);
-    let help = bake_in(folder.path(), ["report", "--help"]).expect(0);
-    assert!(help.stdout.contains("Example:"));
 }
 
 #[test]

@@ -5,16 +5,12 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use hullmap::Pack;
-use hullmap_outside::command::{Run, bake_in};
+use hullmap_outside::command::{Run, bake_line as bake};
 use serde_json::Value;
 use shapes::gltf::{self, Parts};
 use shapes::mesh::Mesh;
 use shapes::solids::{extrusion, regular_polygon};
 use tempfile::TempDir;
-
-fn bake(folder: &TempDir, line: &str) -> Run {
-    bake_in(folder.path(), line.split_whitespace())
-}
 
 /// An L, which a decomposition divides.
 fn ell() -> Mesh {

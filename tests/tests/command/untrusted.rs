@@ -10,25 +10,13 @@ use std::time::{Duration, Instant};
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_format::header::source_hash;
 use hullmap_outside::command::{Run, bake_in, command};
-use hullmap_outside::files::workspace;
+use hullmap_outside::files::{folder, workspace};
 use hullmap_testkit::packs::{self, point_set};
-use tempfile::TempDir;
 
 const CUBE: &str = "o cube\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
 
 /// Longest time for a run. A run that waits for a pipe would never end.
 const LIMIT: Duration = Duration::from_secs(60);
-
-/// A folder with these files.
-fn folder(files: &[(&str, &str)]) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in files {
-        let path = folder.path().join(name);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, text).unwrap();
-    }
-    folder
-}
 
 /// Runs `bake` and kills it after [`LIMIT`].
 #[track_caller]
@@ -121,115 +109,6 @@ fn a_recorded_path_is_followed_only_inside_the_project() {
             assert_eq!(run.json()[0]["against"], "source", "{start}: {line}");
         }
     }
-}
-
-#[test]
-fn a_named_source_must_be_a_regular_file_within_the_limits() {
-    let folder = folder(&[("x.obj", CUBE)]);
-    write_pack(&folder.path().join("baked/p.hullmap"), "../x.obj");
-    make_pipe(&folder.path().join("pipe"));
-    for name in ["pipe", "/dev/zero"] {
-        let run = bake(folder.path(), &format!("verify baked --source {name}"), 2);
-        assert!(run.stderr.contains("not a regular file"), "{}", run.stderr);
-    }
-    for line in ["verify baked", "verify baked --source x.obj", "report baked --out page.html"] {
-        let run = bake(folder.path(), &format!("{line} --max-input-bytes 50"), 1);
-        assert!(run.stderr.contains("raise --max-input-bytes"), "{}", run.stderr);
-    }
-}
-
-/// A pipe or device with the right name blocked `verify`, `inspect`, `report` and `build`.
-#[test]
-fn pipes_are_neither_packs_nor_buffers_nor_options() {
-    let folder = folder(&[("in/a.obj", CUBE), ("in/sub/x", "")]);
-    make_pipe(&folder.path().join("in/b.obj"));
-    make_pipe(&folder.path().join("in/hullmap.toml"));
-    bake(folder.path(), "build in --out o", 0);
-    for name in ["o/pipe.hullmap", "o/.a.hullmapAbCdEf.tmp"] {
-        make_pipe(&folder.path().join(name));
-    }
-    symlink("/dev/zero", folder.path().join("o/zero.hullmap")).unwrap();
-    for line in ["verify o", "inspect o", "report o --out page.html", "build in --out o --prune"] {
-        bake(folder.path(), line, 0);
-    }
-    // A pipe where the pack must be is replaced.
-    fs::remove_file(folder.path().join("o/a.hullmap")).unwrap();
-    make_pipe(&folder.path().join("o/a.hullmap"));
-    let run = bake(folder.path(), "build in --out o --check", 1);
-    assert!(run.stdout.contains("not a regular file"), "{}", run.stdout);
-    bake(folder.path(), "build in --out o", 0);
-    bake(folder.path(), "verify o/a.hullmap --require-source", 0);
-
-    let mesh = shapes::solids::extrusion(&shapes::solids::regular_polygon(7, 1.0), -0.5, 0.5);
-    let parts = shapes::gltf::parts(&[("prism", &mesh)], r#"{"mesh":0,"name":"node"}"#, "0");
-    fs::write(folder.path().join("m.gltf"), parts.text("pipe.bin")).unwrap();
-    make_pipe(&folder.path().join("pipe.bin"));
-    let run = bake(folder.path(), "build m.gltf --out o", 2);
-    assert!(run.stderr.contains("buffer pipe.bin: it is a pipe, not a regular file"), "{}", run.stderr);
-}
-
-/// A pipe or device that was named directly blocked the command, or was read without end.
-#[test]
-fn only_regular_files_are_read() {
-    let folder = folder(&[("a.obj", CUBE), ("folder/b.obj", CUBE)]);
-    bake(folder.path(), "build a.obj --out o", 0);
-    for name in ["p", "p.obj", "p.gltf", "p.hullmap"] {
-        make_pipe(&folder.path().join(name));
-    }
-    symlink("p", folder.path().join("link.obj")).unwrap();
-    let rejected = |line: &str, reason: &str| {
-        let run = bake(folder.path(), line, 2);
-        let message = format!("cannot read: it is {reason}, not a regular file; ");
-        let of_poses = format!("cannot read the poses: it is {reason}, not a regular file; ");
-        assert!(run.stderr.contains(&message) || run.stderr.contains(&of_poses), "{line}: {}", run.stderr);
-    };
-    let meshes = ["build NAME --out o", "build NAME --out o --depfile d", "key NAME", "plan NAME --out o"];
-    let files = ["build a.obj --out o --config NAME", "task NAME", "query o/a.hullmap o/a.hullmap --poses NAME"];
-    let packs = [
-        "inspect NAME",
-        "verify NAME",
-        "export NAME --format obj",
-        "query NAME o/a.hullmap",
-        "report NAME --out r.html",
-    ];
-    for line in meshes {
-        for name in ["p", "p.obj", "p.gltf", "link.obj"] {
-            rejected(&line.replace("NAME", name), "a pipe");
-        }
-        rejected(&line.replace("NAME", "/dev/zero"), "a device");
-    }
-    for line in files {
-        for (name, reason) in [("p", "a pipe"), ("/dev/zero", "a device"), ("folder", "a folder")] {
-            rejected(&line.replace("NAME", name), reason);
-        }
-    }
-    for line in packs {
-        rejected(&line.replace("NAME", "p.hullmap"), "a pipe");
-    }
-}
-
-#[test]
-fn a_buffer_of_a_recorded_source_must_lie_in_the_project() {
-    let mesh = shapes::solids::extrusion(&shapes::solids::regular_polygon(7, 1.0), -0.5, 0.5);
-    let parts = shapes::gltf::parts(&[("prism", &mesh)], r#"{"mesh":0,"name":"node"}"#, "0");
-    let folder = folder(&[("project/art/m.gltf", &parts.text("m.bin"))]);
-    let project = folder.path().join("project");
-    fs::write(folder.path().join("m.bin"), &parts.buffer).unwrap();
-    symlink("../../m.bin", project.join("art/m.bin")).unwrap();
-    bake(&project, "build art --out baked", 0);
-    let run = bake(&project, "verify baked", 1);
-    assert!(run.stderr.contains("buffer m.bin leads out of the pack's project"), "{}", run.stderr);
-    bake(&project, "verify baked --source art --require-source", 0);
-}
-
-#[test]
-fn hullmap_toml_has_a_size_limit() {
-    let folder = folder(&[("in/a.obj", CUBE), ("in/hullmap.toml", "")]);
-    let file = fs::File::options().write(true).open(folder.path().join("in/hullmap.toml")).unwrap();
-    file.set_len(8 << 30).unwrap();
-    let run = bake(folder.path(), "build in --out o", 2);
-    assert!(run.stderr.contains("in/hullmap.toml: cannot read: it has more than 1048576 bytes"), "{}", run.stderr);
-    bake_in(folder.path(), ["build", "in", "--out", "o", "--no-config"]).expect(0);
 }
 
 /// A build reported whether a file outside the project existed: only packs without a source are
@@ -361,47 +240,6 @@ fn text_is_printed_by_one_file() {
         }
     }
     assert!(count > 60, "{count} files");
-}
-
-/// A link to a folder inside `--out` was followed: packs were written outside.
-#[test]
-fn packs_are_not_written_through_links_inside_the_output() {
-    let folder = folder(&[("in/a.obj", CUBE), ("in/sub/deep/b.obj", CUBE), ("elsewhere/deep/mine.txt", "mine")]);
-    let root = folder.path();
-    write_pack(&root.join("elsewhere/deep/gone.hullmap"), "../../in/sub/deep/gone.obj");
-    fs::write(root.join("elsewhere/deep/.x.hullmapAbCdEf.tmp"), "mine").unwrap();
-    fs::create_dir(root.join("o")).unwrap();
-    symlink("../elsewhere", root.join("o/sub")).unwrap();
-    let names = || -> Vec<_> {
-        let mut names: Vec<_> =
-            fs::read_dir(root.join("elsewhere/deep")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-        names.sort();
-        names
-    };
-    let before = names();
-    for line in ["build in --out o", "build in --out o --prune", "build in --out o --force", "build in --out o --check"]
-    {
-        let run = bake(root, line, 2);
-        let error = "error: o/sub/deep/b.hullmap: not written, because o/sub is a link; ";
-        assert!(run.stderr.contains(error), "{line}: {}", run.stderr);
-        assert_eq!(names(), before, "{line}");
-    }
-    assert!(root.join("o/a.hullmap").exists(), "the rest is baked");
-    // --out itself may be a link, and a link in the place of a pack is replaced.
-    symlink("elsewhere", root.join("linked")).unwrap();
-    fs::write(root.join("target"), "mine").unwrap();
-    symlink("../target", root.join("elsewhere/a.hullmap")).unwrap();
-    bake(root, "build in/a.obj --out linked", 0);
-    assert_eq!(fs::read(root.join("target")).unwrap(), b"mine");
-    assert!(!root.join("elsewhere/a.hullmap").is_symlink());
-    // Pages of a report.
-    fs::create_dir_all(root.join("packs")).unwrap();
-    write_pack(&root.join("packs/sub/c.hullmap"), "x.obj");
-    fs::create_dir(root.join("page.pages")).unwrap();
-    symlink("../elsewhere", root.join("page.pages/sub")).unwrap();
-    let run = bake(root, "report packs --out page.html", 2);
-    assert!(run.stderr.contains("page.pages/sub is a link"), "{}", run.stderr);
-    assert!(!root.join("elsewhere/c.hullmap.html").exists());
 }
 
 /// docs/COMMAND.md states what *fresh* does not promise. A pack of another mesh that records the

@@ -3,17 +3,12 @@
 use std::fs;
 
 use hullmap::Pack;
-use hullmap_outside::command::{Run, bake_in};
+use hullmap_outside::command::bake_line as bake;
 use shapes::{
     cubes,
     mesh::Mesh,
     obj::{Document, Object},
 };
-use tempfile::TempDir;
-
-fn bake(folder: &TempDir, line: &str) -> Run {
-    bake_in(folder.path(), line.split_whitespace())
-}
 
 /// An OBJ file of a mesh.
 fn text(mesh: &Mesh) -> String {

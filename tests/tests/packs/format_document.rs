@@ -549,31 +549,6 @@ fn a_reader_written_from_the_document_agrees() {
 }
 
 #[test]
-fn files_of_older_versions_are_rejected_with_the_remedy() {
-    let files = [
-        &include_bytes!("../../data/version-1.hullmap")[..],
-        include_bytes!("../../data/version-2.hullmap"),
-        include_bytes!("../../data/version-3.hullmap"),
-        include_bytes!("../../data/version-4.hullmap"),
-        include_bytes!("../../data/version-5.hullmap"),
-        include_bytes!("../../data/version-6.hullmap"),
-    ];
-    for (file, version) in files.into_iter().zip(1..) {
-        let error = Pack::from_bytes(file).unwrap_err().to_string();
-        println!("{error}");
-        let expected =
-            format!("format version {version}, but this build reads versions 7 to 10; bake the source again");
-        assert!(error.contains(&expected), "{error}");
-        assert_eq!(u64_at(file, 16) as usize, file.len() - 64, "the file is complete");
-        assert_eq!(
-            u64_at(file, 56),
-            XxHash3_64::oneshot(&[&file[..56], &file[64..]].concat()),
-            "the checksum is correct"
-        );
-    }
-}
-
-#[test]
 fn several_hulls_share_a_pack() {
     let kinds =
         [IndexKind::CubeMap { resolution: 3 }, IndexKind::Tree, IndexKind::Binary, IndexKind::None, IndexKind::Compact];
