@@ -141,7 +141,8 @@ impl SteppedQuery for ContactQuery {
             return None;
         }
         let facets = m.facets()?;
-        let found = if sat::pays(m, &facets, cache) { sat::contact(m, facets, tolerance, cache)? } else { return None };
+        let found =
+            if sat::pays(m, &facets, cache) { sat::contact(m, facets, tolerance, cache)? } else { return None };
         Some(Contact { support_calls: m.support_calls(), ..found })
     }
 

@@ -3,9 +3,7 @@
 
 use glam::{DQuat, DVec3};
 use hullmap::shapes::{Cuboid, Sphere};
-use hullmap::{
-    Cache, CastSettings, CompoundManifolds, ManifoldSettings, Motion, Pose, Prediction, Ray, Settings,
-};
+use hullmap::{Cache, CastSettings, CompoundManifolds, ManifoldSettings, Motion, Pose, Prediction, Settings};
 use hullmap_testkit::{depth::signed_depth_by_points, gap::distance_by_features};
 use shapes::rng::SplitMix64;
 
