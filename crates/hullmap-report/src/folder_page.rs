@@ -64,7 +64,8 @@ impl Card {
         }
     }
 
-    /// The card of a triangle mesh or height field; `page` is the path of its own page, relative to the folder's.
+    /// The card of a triangle mesh or height field; `page` is the path of its own page, relative to
+    /// the folder's.
     pub fn of_surface(name: String, surface: &SurfaceReport, page: String) -> Self {
         Self {
             name,

@@ -38,8 +38,8 @@ fn mesh_files(description: &Description, root: &Path) -> BTreeMap<String, String
     description.links.iter().filter_map(first).collect()
 }
 
-/// The files that are copied beside the description. They include all files that a model opens, also
-/// through attached models.
+/// The files that are copied beside the description. They include all files that a model opens,
+/// also through attached models.
 fn copied(description: &Description, root: &Path) -> Vec<String> {
     description.references.iter().map(|own| relative(&own.file, root).unwrap()).collect()
 }

@@ -1,9 +1,9 @@
 //! The solver on millions of pairs. Each answer is verified by a certificate.
 //!
 //! The exact depth of a pair costs milliseconds; a certificate costs a microsecond. Each answer
-//! comes with evidence (an axis, a normal, points that both shapes share), and brute force over vertices
-//! and face planes verifies it. The certificates are written from the shapes' definitions, without
-//! the solver's code and the shapes' support mappings.
+//! comes with evidence (an axis, a normal, points that both shapes share), and brute force over
+//! vertices and face planes verifies it. The certificates are written from the shapes' definitions,
+//! without the solver's code and the shapes' support mappings.
 //!
 //! | module | what |
 //! |---|---|

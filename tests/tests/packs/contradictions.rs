@@ -1,5 +1,5 @@
 //! Packs that contradict themselves in values that are computed here: each must be rejected with
-//! the right error, or be detected by `bake verify`. `rejections.rs` has the table of single values.
+//! the right error, or be detected by `bake verify`. Single values are a table, in `rejections.rs`.
 
 use std::collections::BTreeMap;
 

@@ -97,7 +97,7 @@ fn cloud(count: usize, rng: &mut SplitMix64) -> Pack {
 }
 
 fn pose(rng: &mut SplitMix64, reach: f64) -> Pose {
-    let turn = DQuat::from_axis_angle(DVec3::from_array(rng.direction()), rng.between(0.0, 6.0));
+    let turn = DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize();
     Pose::new(DVec3::from_array(rng.direction()) * (reach * rng.between(0.2, 1.0)), turn).unwrap()
 }
 

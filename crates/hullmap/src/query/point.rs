@@ -28,8 +28,8 @@ use crate::solver::{self, Cache, CastSettings, Ray, RayHit, Settings, SignedDist
 /// allocation.
 ///
 /// # Reference
-/// Snethen, "XenoCollide" (portal refinement along a ray). docs/contributors/intervals.md proves the
-/// interval.
+/// Snethen, "XenoCollide" (portal refinement along a ray). docs/contributors/intervals.md proves
+/// the interval.
 ///
 /// # Examples
 /// ```
