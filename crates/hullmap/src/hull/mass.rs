@@ -19,6 +19,10 @@ pub enum MassSource {
 
 impl MassSource {
     /// The name: `hulls` or `mesh`.
+    ///
+    /// ```
+    /// assert_eq!(hullmap::MassSource::Mesh.as_str(), "mesh");
+    /// ```
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Hulls => "hulls",

@@ -57,8 +57,8 @@ impl Manifold {
         self.update_half_space_from((a, b, b_in_a), settings, self.points().is_empty())
     }
 
-    /// Exchanges A and B, where the half-space is B. `b_in_a` maps the frame of the points, which is
-    /// the new B's, into the new A's.
+    /// Exchanges A and B, where the half-space is B. `b_in_a` maps the points from the frame of the
+    /// new B into the frame of the new A.
     pub(crate) fn exchange(&mut self, b_in_a: Pose) {
         self.normal = b_in_a.transform_vector(-self.normal);
         for point in &mut self.points {
