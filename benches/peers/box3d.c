@@ -49,7 +49,7 @@ static int read_poses(FILE *file, Placed *to, int count) {
   return 1;
 }
 
-/* The mean number of contact points of a body. Raises a depth to that of the deepest one. Box3D adds an offset to
+/* The mean number of contact points of a body. Raises a depth to the depth of the deepest one. Box3D adds an offset to
  * depths on meshes, at which it keeps bodies off them. */
 static double points(const b3BodyId *bodies, int count, float *depth) {
   static b3ContactData contacts[64];

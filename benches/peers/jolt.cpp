@@ -8,7 +8,7 @@
  * internal edges; the mean number of contact points of a body; and the depth of the deepest contact.
  *
  * The steps are as in PhysicsSystem::ProcessBodyPair, with reduction of manifolds, without Jolt's
- * broad phase and its contact cache. Jolt keeps the contacts of a pair that has hardly moved, and
+ * broad phase and its contact cache. Jolt keeps the contacts of a pair that has barely moved, and
  * computes all others anew. */
 #include <Jolt/Jolt.h>
 #include <Jolt/Core/Factory.h>
@@ -66,7 +66,7 @@ public:
   StaticArray<Manifold, 32> found;
 };
 
-/* Contacts of one body, and their number of points. Raises a depth to that of the deepest one. */
+/* Contacts of one body, and their number of points. Raises a depth to the depth of the deepest one. */
 static size_t collide(const Shape *hull, const Shape *ground, const Placed &pose, bool enhanced, float &depth) {
   Collector collector;
   CollideShapeSettings settings;

@@ -27,7 +27,7 @@ pub struct MeshPeer {
     pub proof: String,
 }
 
-/// What a program measures.
+/// Bodies and rays that a program measures.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
     /// The ground's vertices.

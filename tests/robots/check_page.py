@@ -3,7 +3,7 @@
     check_page.py BAKE FILE...
 
 Positions of joints are random, from a fixed seed. MuJoCo is the judge of MJCF, Pinocchio of URDF, Drake of
-SDF. Of MJCF, the pairs of bodies that touch in the neutral pose are compared, too. The scripts of the page
+SDF. For MJCF, the pairs of bodies that touch in the neutral pose are compared, too. The scripts of the page
 run in Node.js.
 """
 

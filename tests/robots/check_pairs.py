@@ -169,7 +169,7 @@ def contacts(model, data):
 
 
 def tested(robot, model):
-    """The pairs of geoms that hullmap tests, by MuJoCo's indices: those of tested links, without the skipped ones."""
+    """The pairs of geoms that hullmap tests, by MuJoCo's indices: pairs of tested links, without the skipped ones."""
     # Geoms that are only drawn do not collide.
     collides = (model.geom_contype | model.geom_conaffinity) != 0
     collides[np.concatenate([model.pair_geom1, model.pair_geom2]).astype(int)] = True

@@ -55,7 +55,7 @@ impl Truth {
         greatest
     }
 
-    /// Regret of a support query: maximum dot product less that of `got`, over |dir| · diameter.
+    /// Regret of a support query: maximum dot product minus `dir · got`, over |dir| · diameter.
     /// 0 for an invalid direction, and where all points are the same.
     pub fn regret(&self, dir: Vec3, got: Vec3) -> f64 {
         self.in_direction(dir.as_dvec3()).map_or(0.0, |truth| truth.regret(got.as_dvec3()))

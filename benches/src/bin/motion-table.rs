@@ -78,7 +78,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or_default()
 }
 
-/// What was found for one number of vertices and one angle.
+/// Results for one number of vertices and one angle.
 #[derive(Default)]
 struct Row {
     ours: Vec<f64>,

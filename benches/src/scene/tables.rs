@@ -74,7 +74,7 @@ pub fn to_csv(records: &[Record]) -> Csv {
     csv
 }
 
-/// What the star in the tables means on this machine.
+/// Meaning of the star in the tables on this machine.
 pub fn legend() -> String {
     let cache = last_level_bytes().map_or("unknown".to_owned(), |bytes| format!("{} MiB", bytes >> 20));
     format!(

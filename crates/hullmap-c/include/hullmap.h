@@ -284,7 +284,7 @@ typedef uint32_t HullmapDifferentiability;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// What is known about a motion.
+// Whether a motion is certainly free.
 enum HullmapVerdict
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
@@ -590,8 +590,8 @@ typedef struct {
 typedef struct {
     // Its corners, counter-clockwise seen from the front, which is above for a field.
     HullmapVec3 corners[3];
-    // Indices of the corners among the vertices of the mesh. Of a field: row times columns plus
-    // column.
+    // Indices of the corners among the vertices of the mesh. In a height field: row times
+    // columns plus column.
     uint32_t vertices[3];
     // The triangles beyond its edges; UINT32_MAX where there is none, or more than one.
     uint32_t neighbours[3];
@@ -979,7 +979,7 @@ typedef struct {
     HullmapPoseDerivative by_b;
 } HullmapDerivatives;
 
-// What hullmap_clear() proves. Start from HULLMAP_CLEAR_SETTINGS_DEFAULT.
+// Settings of hullmap_clear(). Start from HULLMAP_CLEAR_SETTINGS_DEFAULT.
 typedef struct {
     // sizeof(HullmapClearSettings)
     size_t struct_size;
@@ -1031,11 +1031,11 @@ typedef struct {
 // Derivatives of the normal and the witness points by one pose: a row for each coordinate, and in
 // it a column for each number of the twist, as in HullmapPoseDerivative.
 typedef struct {
-    // Of the normal: per unit of length, and per radian.
+    // Rows of the normal: per unit of length, and per radian.
     double normal[3][6];
-    // Of the point of A: lengths per unit of length, and per radian.
+    // Rows of the point of A: lengths per unit of length, and per radian.
     double point_a[3][6];
-    // Of the point of B.
+    // Rows of the point of B.
     double point_b[3][6];
 } HullmapWitnessJacobian;
 

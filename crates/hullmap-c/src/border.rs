@@ -4,7 +4,7 @@
 //! A pointer from C can be checked for NULL and alignment, not for what it points to. So each
 //! function here is unsafe, and its contract is the part of the header's rules that the caller in C
 //! has to keep: the memory is there, is initialised where it is read, and no other thread writes to
-//! it during the call. What is read is copied at once, and answers are written at the end, so that
+//! it during the call. Input is copied at once, and answers are written at the end, so that
 //! an answer may overlap an argument.
 #![allow(unsafe_code)]
 
@@ -212,8 +212,8 @@ impl<T> Out<T> {
 
     #[inline(always)]
     pub(crate) fn write(self, answer: T) {
-        // SAFETY: `new` has checked the pointer, and its contract promises the memory. What was
-        // there before is not dropped, since it may be uninitialised.
+        // SAFETY: `new` has checked the pointer, and its contract promises the memory.
+        // The old value is not dropped, since it may be uninitialised.
         unsafe { self.0.write(answer) }
     }
 }

@@ -8,6 +8,8 @@ mod guesses;
 mod limits;
 mod numbers;
 #[cfg(test)]
+mod reference;
+#[cfg(test)]
 mod tests;
 pub mod usd;
 pub mod verify;
@@ -436,7 +438,7 @@ pub struct QueryArgs {
     /// Read poses from FILE, one per line (`-`: standard input); `#` starts a comment
     #[arg(long = "poses", value_name = "FILE")]
     pub pose_file: Option<PathBuf>,
-    /// What to compute
+    /// Query to compute
     #[arg(
         long,
         value_enum,

@@ -1,4 +1,4 @@
-//! What a source file holds: a mesh, or a grid of heights. The options decide. Reads, imports and
+//! Content of a source file: a mesh, or a grid of heights. The options decide. Reads, imports and
 //! verifies both.
 
 use std::io;

@@ -102,7 +102,7 @@ pub fn bake_source(
 }
 
 /// Bakes the contents of a mesh file as a triangle mesh: the bytes of `bake build --keep-triangles`
-/// in the folder of the mesh. `options` are those of [`bake_file`] that apply to triangles.
+/// in the folder of the mesh. `options` are the options of [`bake_file`] that apply to triangles.
 ///
 /// # Errors
 /// See [`InMemoryError`]. A file without faces cannot be baked.

@@ -38,7 +38,7 @@ pub fn open_pack(path: &Path) -> Result<Pack, Failure> {
     }
 }
 
-/// What a file holds, as messages name it.
+/// Name of a kind of file in messages.
 pub fn noun(kind: FileKind) -> &'static str {
     match kind {
         FileKind::Pack => "pack",

@@ -67,7 +67,7 @@ fn make_locked(target: &Path) -> io::Result<Unplaced> {
     builder.prefix(&prefix).suffix(SUFFIX);
     #[cfg(unix)]
     {
-        // A pack has the permissions of the umask, not those of temporary files.
+        // A pack has the permissions of the umask, not of temporary files.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }

@@ -6,7 +6,7 @@
 // Replace `#include "VHACD.h"` by `#include "hullmap_vhacd.hpp"`, and link libhullmap_decompose. The
 // macro ENABLE_VHACD_IMPLEMENTATION has no effect. Do not include V-HACD's own header as well.
 //
-// What a parameter means here:
+// Meaning of the parameters here:
 //
 //   m_maxConvexHulls         maximum number of parts. If the error below takes more parts, the smallest
 //                            error with at most this number is searched
@@ -198,7 +198,7 @@ public:
 
     void Release() override { delete this; }
 
-    // Of the mesh if it is closed, otherwise of its parts.
+    // For a closed mesh, its own centre of mass; otherwise the centre of its parts.
     bool ComputeCenterOfMass(double centerOfMass[3]) const override {
         if (GetNConvexHulls() == 0) return false;
         if (facts_.volume > 0) {

@@ -2,7 +2,7 @@
 //!
 //! [`Sections::read`] copies the root, checks each offset and count, and cuts the payload into
 //! slices. All other numbers are values, or indices that are looked up in slices. Further sections,
-//! if any, follow those of every pack, with entries in front of the root.
+//! if any, follow the sections of every pack, with entries in front of the root.
 //!
 //! # Deviations
 //! `rkyv::access` would check the same offsets, but its accessors follow those in the file again at

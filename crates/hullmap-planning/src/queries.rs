@@ -45,7 +45,7 @@ impl<'o> Other<'o> {
 }
 
 pub(crate) struct Caches {
-    /// Of pairs of convex shapes.
+    /// Caches of pairs of convex shapes.
     shapes: Vec<(usize, Cache)>,
     parts: Vec<(usize, Cache)>,
 }

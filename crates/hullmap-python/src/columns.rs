@@ -8,7 +8,7 @@ use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// What a column holds.
+/// Type of the values of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Flag,
@@ -21,7 +21,7 @@ pub enum Kind {
 /// Name of a column, kind, and number of entries of each row.
 pub type Spec = (&'static str, Kind, usize);
 
-/// Numbers of one kind: those of a column, or a slice of them.
+/// Numbers of one kind: a column, or a slice of one.
 enum Cells<F, C, N, X> {
     Flags(F),
     Codes(C),

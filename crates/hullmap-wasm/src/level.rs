@@ -133,7 +133,7 @@ impl Level {
         }
     }
 
-    /// What it is: "mesh" or "field".
+    /// Kind of level: "mesh" or "field".
     #[wasm_bindgen(getter)]
     pub fn kind(&self) -> String {
         match &self.sheet {

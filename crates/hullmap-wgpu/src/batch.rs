@@ -102,7 +102,7 @@ impl<'p> Packs<'p> {
 /// // On the GPU if there is one, otherwise on the processor.
 /// let mut batch = Batch::new(&pack, Backend::Auto)?;
 /// batch.distance(&pairs, &Settings::default())?;
-/// // What f32 left open, the processor finishes in f64.
+/// // The processor finishes the undecided pairs in f64.
 /// batch.settle();
 /// assert_eq!(batch.answers()[0].status, Status::Overlapping);
 /// assert!(batch.answers()[1].lower > 2.0);

@@ -111,7 +111,7 @@ impl Device {
     /// that follows, as fused operations of other devices do. For tests.
     ///
     /// # Errors
-    /// Those of [`open`](Self::open).
+    /// As [`open`](Self::open).
     #[doc(hidden)]
     pub fn open_fused() -> Result<Self, Error> {
         Self::open_with(source::FUSED)

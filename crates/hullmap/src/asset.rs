@@ -12,7 +12,7 @@ use crate::height_field::HeightField;
 use crate::pack::{InvalidPack, OpenError, Pack};
 use crate::triangle_mesh::TriangleMesh;
 
-/// What a baked file holds, opened. Queries take it, and each of its variants.
+/// An opened baked file of any kind. Queries take it, and each of its variants.
 ///
 /// The first bytes of a file decide, not its extension.
 ///
@@ -74,7 +74,7 @@ impl Asset {
     /// Copies the bytes of a whole file and checks all of them.
     ///
     /// # Errors
-    /// What is wrong with the bytes.
+    /// The bytes are rejected; the error states the first fault.
     ///
     /// # Complexity
     /// One copy, and a few passes.

@@ -1,8 +1,8 @@
 //! Cascade of overlap tests for two parts: bounding balls, oriented bounding boxes (SAT), hulls.
 //!
 //! Balls and boxes contain their hulls, so hulls that they separate are separated. Only the inner
-//! balls and the hulls themselves prove an overlap. So the status is always that of
-//! [`intersects`](crate::intersects()).
+//! balls and the hulls themselves prove an overlap. So the status is always the status
+//! of [`intersects`](crate::intersects()).
 //!
 //! # Reference
 //! Kenwright, section 5.0.0.1 ("a basic sphere-sphere check, followed by a cube-cube, then a

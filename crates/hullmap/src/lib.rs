@@ -10,7 +10,7 @@
 //! # Open a pack and query a support point
 //!
 //! A [`Pack`] holds one or more [`Hull`]s. Its direction index finds a [support
-//! vertex](Hull::support) at a cost that hardly grows with the number of vertices.
+//! vertex](Hull::support) at a cost that barely grows with the number of vertices.
 //!
 //! ```
 //! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));

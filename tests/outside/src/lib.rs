@@ -1,4 +1,4 @@
-//! What tests use outside of their own process, and clocks.
+//! Files, folders and processes that tests use outside of their own process, and clocks.
 //!
 //! | module | contents |
 //! |---|---|

@@ -16,7 +16,7 @@ use crate::way::Way;
 /// Distance from a side of the slab up to which a triangle is on it: gaps and steps are less.
 const OUTSIDE: f32 = 1e-5;
 
-/// What the slab is made of.
+/// Form of the slab.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// Convex parts.

@@ -141,7 +141,7 @@ impl Slider {
 /// A slide: slab, slope, body.
 #[derive(Clone, Copy, Debug)]
 pub struct Slide {
-    /// What the slab is made of.
+    /// Form of the slab.
     pub form: Form,
     /// Cuts of the slab.
     pub cut: Cut,

@@ -19,8 +19,8 @@ use super::{
     project::{Files, Project, WORDS},
 };
 
-/// Maximum number of unsynced entries of which every subset is tried. Of more entries, the subsets
-/// are: each run of the first ones, each entry alone, and all but one.
+/// Maximum number of unsynced entries of which every subset is tried. Above it, the subsets are:
+/// each run of the first ones, each entry alone, and all but one.
 const MAX_ALL_SUBSETS: usize = 6;
 
 /// An operation of a bake on the disk.

@@ -85,7 +85,7 @@ fn sample(name: &str, sets: &[PointSet], index: IndexKind) -> Sample {
     Sample { name: name.to_owned(), file }
 }
 
-/// What every sample records about its source.
+/// The source that every sample records.
 pub fn source() -> SourceRecord {
     SourceRecord { path: "../ä.obj".into(), hash: 7 << 90, options: "split none".into(), ..SourceRecord::default() }
 }

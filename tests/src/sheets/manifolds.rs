@@ -386,7 +386,7 @@ impl Judge<'_> {
             wrong("the sheet's point is off its triangle", distance_from_triangle(corners, on_sheet) / bound, point);
             wrong("the body's point is off its surface", model.outside(on_body).abs() / bound, point);
             let aside = (point.point_a - point.point_b - normal * point.depth).length();
-            wrong("the depth is not that of the points", aside / rounding, point);
+            wrong("the depth differs from the points", aside / rounding, point);
             wrong("beyond the prediction", (-point.depth - self.prediction) / rounding, point);
             let frame = if is_second { self.pose.inverse() } else { self.pose };
             wrong("B's points differ", frame.transform_point(point.local_b).distance(point.point_b) / rounding, point);

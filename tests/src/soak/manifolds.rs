@@ -9,7 +9,7 @@
 //! | points where the shapes are near | the bounds of the distance query, which has certificates of its own |
 //! | a point was there before | its id and the number that the judge stored in it |
 //!
-//! Each pair starts in a pose of the soak of pairs, and moves in one of seven ways: it hardly
+//! Each pair starts in a pose of the soak of pairs, and moves in one of seven ways: it barely
 //! moves, slides, rocks, rolls, turns about the normal, goes through the prediction, or jumps.
 
 use std::collections::BTreeMap;

@@ -171,7 +171,7 @@ struct Chord {
     times: [f64; 2],
 }
 
-/// What a plane is fixed to.
+/// Frame that a plane is fixed to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Frame {
     Space,
@@ -181,7 +181,7 @@ enum Frame {
 
 const FRAMES: [Frame; 3] = [Frame::A, Frame::B, Frame::Space];
 
-/// What the integers decide about a time until which the hulls may not meet.
+/// Decision of the integers about a time until which the hulls may not meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Separated {
     /// They do not meet.

@@ -176,7 +176,7 @@ mod tests {
             let (a, b) = (small(&mut rng), small(&mut rng).placed(rng.pose(2.5)));
             let (depth, _) = signed_depth(&a, &b, f64::NEG_INFINITY);
             let twin = signed_depth_by_points(&a.points, &b.points);
-            // Other directions than those of facets may separate hulls farther.
+            // Directions that are not normals of facets may separate hulls farther.
             assert!((twin - depth).abs() <= 1e-12 || twin < depth && depth < 0.0, "{round}: {depth:e}, {twin:e}");
             let (far, twin) = (gap(&a, &b), distance_by_features(&a.points, &b.points));
             if depth < 0.0 {

@@ -69,7 +69,7 @@ pub fn passage(a: &Polytope, b: &Polytope, velocity: DVec3, slack: f64) -> Passa
     passage
 }
 
-/// The passage of the hulls of a few points, which may be flat: along all [`axes`] except those of
+/// The passage of the hulls of a few points, which may be flat: along all [`axes`] except for
 /// sides that are nearly parallel.
 pub fn passage_by_points(a: &[DVec3], b: &[DVec3], velocity: DVec3, slack: f64) -> Passage {
     let mut passage = Passage::UNBOUNDED;

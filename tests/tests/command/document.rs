@@ -1,14 +1,9 @@
-//! docs/COMMAND.md is correct: it lists every flag and JSON field of each command, and no others.
+//! docs/COMMAND.md is correct: it lists every JSON field of each command, and no others. Its flags are
+//! made from the command (`args/reference.rs` in the crate of the command).
 
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    fs,
-};
+use std::{collections::BTreeSet, fs};
 
-use hullmap_outside::{
-    command::{bake, bake_in},
-    files::workspace,
-};
+use hullmap_outside::{command::bake_in, files::workspace};
 use serde_json::Value;
 
 const CUBE: &str =
@@ -28,64 +23,6 @@ fn table(section: &str, heading: &str) -> BTreeSet<String> {
     let lines = section.lines().skip_while(|line| !line.starts_with(&format!("| {heading} |"))).skip(2);
     let cells = lines.map_while(|line| line.strip_prefix("| `")).filter_map(|line| line.split('`').next());
     cells.map(str::to_owned).collect()
-}
-
-/// The meaning of each flag in the table of flags.
-fn meanings(section: &str) -> BTreeMap<String, String> {
-    let lines = section.lines().skip_while(|line| !line.starts_with("| flag |")).skip(2);
-    let rows = lines.map_while(|line| line.strip_prefix("| `")?.strip_suffix(" |")?.split_once("` | "));
-    let flag = |cell: &str| cell.split(' ').next().unwrap_or_default().to_owned();
-    rows.map(|(cell, meaning)| (flag(cell), meaning.to_owned())).collect()
-}
-
-/// The first and last of the flags of `bake build` that the section refers to.
-fn flags_of_build(name: &str) -> Option<[String; 2]> {
-    let text = section(name).split_whitespace().collect::<Vec<_>>().join(" ");
-    let (_, rest) = text.split_once("All flags of [bake build](#bake-build) from `")?;
-    let (first, rest) = rest.split_once("` to `")?;
-    Some([first, rest.split_once("` apply.")?.0].map(str::to_owned))
-}
-
-/// The flags that the page lists for a command.
-fn flags(name: &str) -> BTreeSet<String> {
-    let rows = |name: &str| -> Vec<String> {
-        let text = section(name);
-        let lines = text.lines().skip_while(|line| !line.starts_with("| flag |")).skip(2);
-        let cells = lines.map_while(|line| line.strip_prefix("| `")).filter_map(|line| line.split(['`', ' ']).next());
-        cells.map(str::to_owned).collect()
-    };
-    let mut found: BTreeSet<String> = rows(name).into_iter().collect();
-    if let Some([first, last]) = flags_of_build(name) {
-        let build = rows("build");
-        let at = |flag: &str| build.iter().position(|own| own == flag).unwrap();
-        found.extend(build[at(&first)..=at(&last)].iter().cloned());
-    }
-    found
-}
-
-/// The first paragraph of each flag's help. It follows the flag on its line or stands below it:
-/// clap decides by the width of the terminal.
-fn descriptions(help: &str) -> BTreeMap<String, String> {
-    // A line of a description may start with "--decompose: ".
-    let is_text = |line: &str| line.split(' ').next().is_some_and(|word| word.ends_with(':'));
-    let mut found = BTreeMap::new();
-    let mut lines = help.lines().peekable();
-    while let Some(line) = lines.next() {
-        let words = line.trim_start().trim_start_matches("-h, ");
-        if line.starts_with(' ') && words.starts_with("--") && !is_text(words) {
-            let (flag, text) = words.split_once("  ").unwrap_or((words, ""));
-            let mut text = text.trim().to_owned();
-            while let Some(next) = lines.next_if(|next| {
-                let next = next.trim_start();
-                !next.is_empty() && (!next.starts_with('-') || is_text(next))
-            }) {
-                text = format!("{text} {}", next.trim()).trim_start().to_owned();
-            }
-            let name = flag.split([' ', '[', '=']).next().unwrap_or_default();
-            found.insert(name.to_owned(), text);
-        }
-    }
-    found
 }
 
 /// Fields of an object and of the objects in it, as `hulls[].index.kind`; `empty` are the fields
@@ -189,35 +126,6 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
             all.append(&mut printed);
         }
         assert_eq!(all, documented, "{name}: printed by any line, documented");
-    }
-}
-
-#[test]
-fn every_flag_is_documented_and_every_documented_one_is_taken() {
-    let help = bake(["--help"]).expect(0).stdout;
-    let commands = help.lines().skip_while(|line| *line != "Commands:").skip(1);
-    let commands: Vec<&str> =
-        commands.map_while(|line| line.strip_prefix("  ")).filter_map(|line| line.split(' ').next()).collect();
-    assert!(commands.len() >= 6, "{commands:?}");
-    for name in commands {
-        let help = bake([name, "--help"]).expect(0).stdout;
-        let mut described = descriptions(&help);
-        described.remove("--help");
-        let mut meanings = meanings(&section(name));
-        if flags_of_build(name).is_some() {
-            meanings.extend(self::meanings(&section("build")));
-            meanings.extend(self::meanings(&section(name)));
-        }
-        for (flag, text) in &described {
-            // The page describes defaults in other words.
-            let text = text.split(" [default").next().unwrap_or_default();
-            let meaning = meanings.get(flag).map_or("", String::as_str);
-            assert!(!text.is_empty(), "bake {name} {flag}: no help");
-            assert!(meaning.starts_with(text), "bake {name} {flag}: `{meaning}` does not start with `{text}`");
-        }
-        let taken: BTreeSet<String> = described.into_keys().collect();
-        let documented = flags(name);
-        assert_eq!(taken, documented, "bake {name}: taken, documented");
     }
 }
 

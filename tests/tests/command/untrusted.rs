@@ -95,7 +95,7 @@ fn a_recorded_path_is_followed_only_inside_the_project() {
         let page = fs::read_to_string(project.join("page.html")).unwrap();
         assert!(page.contains("name the source with --source"), "{path}");
     }
-    // What the user names is read, wherever it lies.
+    // A source that the user names is read, wherever it lies.
     let run = bake(&project, "verify baked --source ../../x.obj --json", 0);
     assert_eq!(run.json()[0]["against"], "source");
     // Inside the project, and through a link that stays inside, everything works as before.

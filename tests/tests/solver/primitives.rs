@@ -52,7 +52,7 @@ fn half_spaces_and_rays() {
     assert!(hullmap::signed_distance(&plane, DVec3::NAN, &Settings::default(), &mut Cache::new()).is_err());
 }
 
-/// Bounds contain the shape, without any tolerance for the reference, and are hardly larger.
+/// Bounds contain the shape, without any tolerance for the reference, and are not much larger.
 #[test]
 fn bounds_of_all_shapes() {
     let stock = Stock::bake(&[], 1);

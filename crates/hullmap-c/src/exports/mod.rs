@@ -1,7 +1,7 @@
 //! The exported functions.
 //!
-//! Each one copies its arguments, checks them, calls a safe module, and writes the answer. What a
-//! caller has to keep is the same for all, and is written once: at the head of the header
+//! Each one copies its arguments, checks them, calls a safe module, and writes the answer. The
+//! rules for callers are the same for all, and are written once: at the head of the header
 //! (`cbindgen.toml`).
 #![allow(clippy::missing_safety_doc, reason = "the rules are at the head of the header")]
 

@@ -134,11 +134,11 @@ pub unsafe extern "C" fn hullmap_clear(
     })
 }
 
-/// Where an answer, its derivatives, and those of its normal and points go.
+/// Destinations of an answer, its derivatives, and the derivatives of its normal and points.
 type Outs<T> = (*mut T, *mut Derivatives, *mut WitnessDerivatives);
 
 /// Answers a query of two convex shapes with derivatives. The last argument of `query` is whether
-/// those of normal and points are requested.
+/// derivatives of normal and points are requested.
 ///
 /// # Safety
 /// The pointers are as the rules at the head of the header require.

@@ -1,4 +1,4 @@
-//! What the functions of triangle meshes and of height fields share.
+//! Code shared by the functions of triangle meshes and of height fields.
 #![allow(unsafe_code)]
 
 use std::ffi::c_char;

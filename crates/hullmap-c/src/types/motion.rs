@@ -59,7 +59,7 @@ pub struct MotionSettings {
     pub max_iterations: u32,
 }
 
-/// What hullmap_clear() proves. Start from HULLMAP_CLEAR_SETTINGS_DEFAULT.
+/// Settings of hullmap_clear(). Start from HULLMAP_CLEAR_SETTINGS_DEFAULT.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClearSettings {

@@ -10,8 +10,8 @@ use hullmap::height_field::Diagonal;
 pub struct MeshTriangle {
     /// Its corners, counter-clockwise seen from the front, which is above for a field.
     pub corners: [DVec3; 3],
-    /// Indices of the corners among the vertices of the mesh. Of a field: row times columns plus
-    /// column.
+    /// Indices of the corners among the vertices of the mesh. In a height field: row times
+    /// columns plus column.
     pub vertices: [u32; 3],
     /// The triangles beyond its edges; UINT32_MAX where there is none, or more than one.
     pub neighbours: [u32; 3],

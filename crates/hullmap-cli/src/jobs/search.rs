@@ -26,7 +26,7 @@ pub struct Found {
     /// Meshes in folders whose formats are not supported, in the same order.
     pub unread: Vec<Mesh>,
     pub empty: Vec<PathBuf>,
-    /// All folders that were searched, except those of packs.
+    /// All folders that were searched, except folders of packs.
     pub folders: Vec<PathBuf>,
     /// Number of meshes in folders that are hidden, or in hidden folders.
     pub hidden: usize,

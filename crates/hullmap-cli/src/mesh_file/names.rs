@@ -94,7 +94,7 @@ pub fn unreal(names: &[(&str, u32)], mesh: Option<&str>) -> Vec<String> {
 }
 
 /// `UCX_<render mesh>_<nn>` for hulls beside these render meshes in one file, numbered for each.
-/// The names keep all characters: the importer changes those of both in the same way.
+/// The names keep all characters: the importer changes both in the same way.
 pub fn unreal_beside(meshes: &[&str]) -> Vec<String> {
     let mut counts: HashMap<&str, u32> = HashMap::new();
     let mut number = |mesh| {

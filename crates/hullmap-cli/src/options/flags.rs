@@ -18,8 +18,8 @@ static FLAGS: LazyLock<Vec<(&'static BuildOption, &'static str)>> = LazyLock::ne
     Section::ALL.iter().flat_map(|own| own.options()).map(|option| (option, &*flag(option.key).leak())).collect()
 });
 
-/// The subcommand whose options are those of terrains. All others take those of meshes, and find
-/// terrains by the rules of `hullmap.toml`.
+/// The subcommand that takes the options of terrains. All others take the options of meshes, and
+/// find terrains by the rules of `hullmap.toml`.
 pub const TERRAIN: &str = "terrain";
 
 impl clap::Args for OptionLayer {

@@ -83,7 +83,7 @@ impl OptionLayer {
         }
     }
 
-    /// What a source with these options becomes.
+    /// Kind of file that a source with these options becomes.
     pub fn kind(&self) -> FileKind {
         let is_on = |key: &str| self.get(key) == Some(Value::Switch(true));
         match (is_on("terrain"), is_on("keep_triangles")) {

@@ -77,7 +77,7 @@ pub enum Section {
 pub enum Group {
     Single,
     Limit,
-    /// What a source becomes.
+    /// Decides which kind of file a source becomes.
     Content,
 }
 

@@ -55,7 +55,7 @@ pub enum Draft {
     #[default]
     #[value(name = "2025-10")]
     October2025,
-    /// Of June 2026: a collider names the mesh. fastgltf reads it since August 2026.
+    /// Draft of June 2026: a collider names the mesh. fastgltf reads it since August 2026.
     #[value(name = "2026-06")]
     June2026,
 }

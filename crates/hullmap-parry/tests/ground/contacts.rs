@@ -103,9 +103,9 @@ fn bodies_slide_over_flat_floors() {
     }
 }
 
-/// Points of a body that hardly moves stay, and their distances follow.
+/// Points of a body that barely moves stay, and their distances follow.
 #[test]
-fn bodies_that_hardly_move_keep_their_points() {
+fn bodies_that_barely_move_keep_their_points() {
     let (surface, cube) = (square(), hull(&shapes::families::cube_grid(8, 1)));
     let half = cube.hull().bounds()[1].z;
     let mut pair = PairMemory::default();

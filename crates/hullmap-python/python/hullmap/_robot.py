@@ -33,7 +33,7 @@ class Skipped(NamedTuple):
     """A pair or a geometry that a `Robot` does not test."""
 
     links: Tuple[str, ...]
-    """Names of the two links of a pair, or of the link and the obstacle. Of a geometry, the name of its link; empty
+    """Names of the two links of a pair, or of the link and the obstacle. For a geometry, the name of its link; empty
     if it belongs to no link that was read, such as an included model."""
     geoms: Tuple[str, ...]
     """Names of the geoms of these links that are meant. Empty for a pair if all of them are."""
@@ -289,7 +289,7 @@ class Robot:
         """Forward kinematics: the poses of `link_names` in the world, x y z and a quaternion x y z w; (..., L, 7).
 
         These are poses as ``in_collision(poses=...)`` takes them. Links that a ball, floating or planar joint moves
-        are where the description puts them: change their poses, and those of the links below, if they are elsewhere.
+        are where the description puts them: change their poses, and the poses of the links below, if they are elsewhere.
         """
         rows, lead = self._rows("q", q)
         poses: Floats = self._native.link_poses(rows).reshape((*lead, len(self.link_names), 7))

@@ -7,7 +7,7 @@
 //! 2. Other names start from the *opened* folder. There, a later `assetdir` overrides an earlier
 //!    `meshdir`.
 //!
-//! Paths are those of a model that is loaded by its absolute path: otherwise, names in included
+//! Paths are read as if the model were loaded by its absolute path: otherwise, names in included
 //! files may depend on the current folder.
 //!
 //! # Reference

@@ -202,7 +202,7 @@ fn start_at_center(search: ptr<function, GjkSearch>, pair: PairRecord) {
     search.square = dot_of(center, center);
 }
 
-// What EPA continues from.
+// Hands the simplex over to EPA.
 fn hand_over(search: ptr<function, GjkSearch>, index: u32) {
     for (var corner = 0u; corner < 4u; corner++) {
         progress[index].simplex[corner] = simplex[corner];

@@ -82,8 +82,8 @@ const RUNNING = 6u;
 const TETRAHEDRON = 7u;
 const AXES = 8u;
 
-// Nodes and blocks that a pair may read. Of pairs of hulls with up to 65,536 vertices, 99 % read less
-// than 300; the others are near the axis of a fan of thousands of faces, and read all of them.
+// Maximum number of nodes and blocks that a pair reads. 99 % of the pairs of hulls with up to 65,536
+// vertices read less than 300; the others are near the axis of a fan of thousands of faces, and read all of them.
 const MAX_READS = 2048u;
 // Twice the largest possible f32 would be infinite; every dot product is above this.
 const LOWEST = -3.0e38;

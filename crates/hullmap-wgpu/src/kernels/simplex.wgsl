@@ -8,7 +8,7 @@ struct Corner {
     b: u32,
 }
 
-// What GJK leaves to EPA.
+// State that GJK leaves to EPA.
 struct Progress {
     simplex: array<Corner, 4>,
     depth_upper: f32,

@@ -242,7 +242,7 @@ fn support_of(hull: u32, dir: vec3f) -> Found {
         fuel -= 1u;
         let word = pop(&search);
         if word == last_word {
-            // What is below it is visited already, or on the stack.
+            // The nodes below it are visited already, or on the stack.
             continue;
         }
         last_word = word;

@@ -144,7 +144,7 @@ fn pairs_that_read_too_much_leave_the_others_alone() {
     }
 }
 
-/// What an answer claims, against points and planes found by Wolfe's algorithm in f64.
+/// Compares answers with points and planes found by Wolfe's algorithm in f64.
 #[test]
 fn intervals_hold_the_distance() {
     let devices = scene::devices();

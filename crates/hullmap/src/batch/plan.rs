@@ -12,20 +12,20 @@
 use super::pair::Pair;
 use crate::shapes::Shape;
 
-/// Working set from which a batch fetches shapes ahead, in bytes: what the cache of a core holds
-/// beside the data of others. Fetching costs hardly anything if the caches hold more.
+/// Working set from which a batch fetches shapes ahead, in bytes: a core's share of cache.
+/// Fetching costs almost nothing if the caches hold more.
 const CACHED: usize = 512 << 10;
 
 /// Working set from which queries are in flight, in bytes: more than the cache of a core holds on
-/// any current processor. To put queries aside costs a tenth to a fifth of their time.
+/// any current processor. Suspending costs 10 to 20 % of the time of a query.
 const LARGE: usize = 3 << 20;
 
 /// Mean working set of a shape up to which it is fetched as a whole even in a large scene, in
-/// bytes: what little more than a support query, or another short query, reads. A hull of at most
+/// bytes: about what one support query, or another short query, reads. A hull of at most
 /// 32 vertices, which has no index, is smaller.
 const SCANNED: usize = 1536;
 
-/// The same for contacts, which read much of a shape, and compute long enough to fetch the next.
+/// Bytes that a contact reads: much of a shape. It computes long enough to fetch the next.
 const READ_BY_CONTACTS: usize = 18 << 10;
 
 /// Number of shapes sampled to estimate the working set.

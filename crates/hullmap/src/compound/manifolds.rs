@@ -95,7 +95,7 @@ pub(super) struct SmallerBody {
 }
 
 impl SmallerBody {
-    /// Of the balls around two bodies, both in A's frame, the smaller one.
+    /// Chooses the smaller of the balls around two bodies, both in A's frame.
     fn choose(balls: [(DVec3, f64); 2], settings: &ManifoldSettings) -> Self {
         let [(center_a, radius_a), (center_b, radius_b)] = balls;
         let (center, reach) = if radius_a < radius_b { (center_a, radius_a) } else { (center_b, radius_b) };
@@ -189,7 +189,7 @@ impl CompoundManifolds {
     /// [`update`](Self::update) for a mesh or a compound that meets others: `a` is the tile `tile`
     /// of `joined`. Normals at edges where tiles meet are corrected as those at edges inside one.
     ///
-    /// Of each tile near a body, the caller keeps manifolds of its own. See [`Joined`].
+    /// The caller keeps separate manifolds for each tile near a body. See [`Joined`].
     ///
     /// # Complexity
     /// As [`update`](Self::update), but the correction also tests the other tiles.

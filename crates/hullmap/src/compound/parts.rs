@@ -1,4 +1,4 @@
-//! What queries of parts take: a compound, a triangle mesh, a height field, or a single shape.
+//! Arguments of queries of parts: a compound, a triangle mesh, a height field, or a single shape.
 
 use super::bvh::Nodes;
 use super::members::Compound;
@@ -10,7 +10,7 @@ use crate::shapes::{Shape, Triangle};
 use crate::triangle_mesh::TriangleMesh;
 use glam::DVec3;
 
-/// What has parts: a [`Compound`], whose parts are its hulls; a [`TriangleMesh`] or a
+/// A geometry with parts: a [`Compound`], whose parts are its hulls; a [`TriangleMesh`] or a
 /// [`HeightField`], whose parts are their triangles; and any [`Shape`], as its only part.
 pub trait Parts: Tree {}
 

@@ -43,7 +43,7 @@ pub enum SharedSheet {
 }
 
 impl SharedSheet {
-    /// What it is, with its article.
+    /// Name of its kind, with the article.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Mesh(_) => "a triangle mesh",

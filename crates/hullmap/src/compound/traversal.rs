@@ -1,6 +1,6 @@
 //! Dual-tree traversal of two BVHs, pairs with the least bound first.
 //!
-//! Of each pair of nodes, the larger node is opened. Its two children, paired with the other node,
+//! In each pair of nodes, the larger node is opened. Its two children, paired with the other node,
 //! are pushed onto a stack, the nearer one on top. Each step opens one node, so the stack is at
 //! most one entry longer than the sum of the depths of both trees.
 

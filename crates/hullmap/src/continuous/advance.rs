@@ -53,11 +53,11 @@ const SMALLEST_PART: f64 = 1e-15;
 const MAX_TRIES: u32 = 8;
 
 /// A step ends where the bound is at most this fraction of the separation at its start: a longer
-/// one along the same direction would hardly end later.
+/// one along the same direction would not end much later.
 const ENOUGH: f64 = 0.05;
 
 /// Share of the way to the meeting that a step leaves, for each radian until then: shapes that
-/// hardly turn meet when their closest points would.
+/// barely turn meet when their closest points would.
 const REST: f64 = 0.25;
 
 /// Least and greatest of these shares.
@@ -198,7 +198,7 @@ pub(super) struct Approach<'s, A: ?Sized, B: ?Sized> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moment {
     pub(super) t: f64,
-    /// Of A and of B.
+    /// Places of A and of B.
     places: [Place; 2],
 }
 

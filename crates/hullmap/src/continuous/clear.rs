@@ -14,7 +14,7 @@ use crate::fields::{fields, words};
 use crate::solver::{Cache, Status};
 use crate::support::SupportMap;
 
-/// What [`clear`](crate::clear()) proves, and at what cost.
+/// Settings of [`clear`](crate::clear()).
 ///
 /// ```
 /// use hullmap::{ClearSettings, MotionSettings};
@@ -43,7 +43,7 @@ impl Default for ClearSettings {
     }
 }
 
-/// What is known about a motion.
+/// Whether a motion is certainly free.
 ///
 /// ```
 /// assert_eq!(hullmap::Verdict::Free.as_str(), "free");

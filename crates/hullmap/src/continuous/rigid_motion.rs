@@ -37,7 +37,7 @@ pub struct RigidMotion {
     /// From the centre to the origin of the shape's frame, at time 0.
     arm: DVec3,
     velocity: DVec3,
-    /// Of unit length.
+    /// Unit vector.
     axis: DVec3,
     /// Angle of the whole motion in radians, at least 0.
     angle: f64,

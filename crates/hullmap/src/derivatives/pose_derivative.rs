@@ -29,8 +29,8 @@ pub struct PoseDerivative {
 }
 
 impl PoseDerivative {
-    /// Of the height of a point of the shape along `direction`, for a shape whose frame has its
-    /// origin at `origin`.
+    /// Derivative of the height of a point of the shape along `direction`, for a shape whose frame
+    /// has its origin at `origin`.
     pub(super) fn of_height(direction: DVec3, point: DVec3, origin: DVec3) -> Self {
         Self { linear: direction, angular: (point - origin).cross(direction) }
     }

@@ -20,8 +20,8 @@ use crate::vector::unit;
 /// less than this fraction of the speed: derivatives grow with the inverse.
 const GRAZING: f64 = 1e-6;
 
-/// Normal and points of an answer as accurate as rounding error allows, and true; or those of the
-/// answer, and whether no more is known about the shapes.
+/// Normal and points of an answer as accurate as rounding error allows, and true; or the answer's
+/// own, and whether no more is known about the shapes.
 fn accurate<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     shapes: (&A, &B, Pose),
     near: Refined,

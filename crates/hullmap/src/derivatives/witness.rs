@@ -1,6 +1,6 @@
 //! Whether the witness points of an answer, and its normal, are the only ones within its interval.
 //!
-//! Of hulls, the edges at the support vertex tell it: none of them is level at a vertex, one at an
+//! For hulls, the edges at the support vertex decide: none of them is level at a vertex, one at an
 //! edge, and more in a face. Other shapes, and hulls with features that are too small, take the
 //! steps below.
 //!
@@ -8,8 +8,8 @@
 //! 1. Support points in directions that are tilted slightly from the normal. If they are at one
 //!    place, the shape meets the other at a vertex, or at a curved place. Then there is only one
 //!    pair of points.
-//! 2. The same for the other shape. If neither is at a vertex, the points of each are on an edge or
-//!    a face. Support points across the longest chord distinguish them.
+//! 2. Do this for the other shape, too. If neither is at a vertex, the points of each are on an
+//!    edge or a face. Support points across the longest chord distinguish them.
 //! 3. Two edges that are not parallel have one pair of closest points. An edge and a face, or two
 //!    faces, have many.
 //! 4. The points stay on their features if no support point is elsewhere for these directions, and
@@ -53,7 +53,7 @@ const STRAIGHT: f64 = 1e-3;
 /// Features of points of which nothing is known.
 pub(super) const UNKNOWN: [u32; 2] = [u32::MAX; 2];
 
-/// What faces a direction.
+/// Feature of a shape that faces a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Facing {
     Vertex,
@@ -111,7 +111,7 @@ impl<'s, S: SupportMap + ?Sized> Placed<'s, S> {
         STRAIGHT * self.tilt * self.shape.core_radii()[1]
     }
 
-    /// What faces `normal`, if its support points have this chord.
+    /// Feature that faces `normal`, if its support points have this chord.
     fn facing(&self, normal: DVec3, chord: DVec3) -> Facing {
         let length = chord.length();
         // NaN takes the failing branch.
@@ -131,8 +131,8 @@ impl<'s, S: SupportMap + ?Sized> Placed<'s, S> {
         }
     }
 
-    /// What faces `normal`, by the edges at the support vertex, which may be `feature`. `None` if
-    /// they are not known, or too short.
+    /// Feature that faces `normal`, by the edges at the support vertex, which may be `feature`.
+    /// `None` if they are not known, or too short.
     fn facing_by_edges(&self, normal: DVec3, feature: u32) -> Option<Facing> {
         // The features of a rounded shape are not vertices.
         if self.shape.convex_radius() > 0.0 {
@@ -149,7 +149,7 @@ impl<'s, S: SupportMap + ?Sized> Placed<'s, S> {
         }
     }
 
-    /// What faces `normal`, maybe at `feature`.
+    /// Feature that faces `normal`, maybe at `feature`.
     fn facing_feature(&self, normal: DVec3, feature: u32) -> Facing {
         self.facing_by_edges(normal, feature).unwrap_or_else(|| self.facing(normal, self.chord(normal)))
     }

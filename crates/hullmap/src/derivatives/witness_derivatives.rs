@@ -30,11 +30,11 @@ use crate::vector::perpendicular;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WitnessJacobian {
-    /// Of the normal: per unit of length, and per radian.
+    /// Rows of the normal: per unit of length, and per radian.
     pub normal: [[f64; 6]; 3],
-    /// Of the point of A: lengths per unit of length, and per radian.
+    /// Rows of the point of A: lengths per unit of length, and per radian.
     pub point_a: [[f64; 6]; 3],
-    /// Of the point of B.
+    /// Rows of the point of B.
     pub point_b: [[f64; 6]; 3],
 }
 
@@ -59,7 +59,7 @@ impl WitnessDerivatives {
     }
 }
 
-/// What a direction across the normal belongs to.
+/// Owner of a direction across the normal.
 #[derive(Clone, Copy, PartialEq)]
 enum Owner {
     A,

@@ -163,7 +163,7 @@ impl Face {
 /// The face to the left of each directed edge.
 struct Edges {
     left: Vec<[u8; MAX_VERTICES]>,
-    /// Of each vertex, one face and the number of faces.
+    /// For each vertex, one face and the number of faces.
     at: Vec<(u8, usize)>,
     half_edges: usize,
 }

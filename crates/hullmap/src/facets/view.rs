@@ -46,7 +46,7 @@ const fn box_edges() -> [Edge; 12] {
     while pair < 36 {
         let (face, beyond) = (pair / 6, pair % 6);
         if face < beyond && face / 2 != beyond / 2 {
-            // Of the two ends of the edge, the one with the positive third coordinate.
+            // Take the end of the edge with the positive third coordinate.
             let vertex = (face & 1) << (face / 2) | (beyond & 1) << (beyond / 2);
             edges[edge] = Edge { faces: [face as u8, beyond as u8], vertex: vertex as u8, cosine: 0.0 };
             edge += 1;

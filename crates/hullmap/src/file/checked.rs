@@ -7,7 +7,7 @@ use hullmap_format::header::{FileKind, Header};
 use super::{Bytes, check_checksum, copy_of, read};
 use crate::pack::error::{InvalidPack, OpenError};
 
-/// What a file of one kind holds, once it has passed all checks.
+/// Content of a file of one kind that has passed all checks.
 pub(crate) trait Checked: Sized {
     /// The kind.
     const KIND: FileKind;

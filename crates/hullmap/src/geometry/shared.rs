@@ -63,7 +63,7 @@ impl SharedGeometry {
         Self::Shape(Arc::new(shape))
     }
 
-    /// What it is, with its article.
+    /// Name of its kind, with the article.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Hull(_) => "a hull",

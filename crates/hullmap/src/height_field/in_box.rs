@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::{HeightField, ground};
 use crate::shapes::triangle::{VisitTriangle, is_beside_box};
 
-/// Maximum number of cells that are visited one by one. Of more, the tree rules out many by their
+/// Maximum number of cells that are visited one by one. Above it, the tree rules out many by their
 /// heights.
 const MAX_CELLS: usize = 64;
 

@@ -138,7 +138,7 @@ impl HeightField {
     /// Copies the bytes of a whole file and checks all of them.
     ///
     /// # Errors
-    /// What is wrong with the bytes.
+    /// The bytes are rejected; the error states the first fault.
     ///
     /// # Complexity
     /// One copy, and a few passes.
@@ -331,7 +331,7 @@ impl HeightField {
         self.has_ground(triangle).then(|| self.layout.corners(triangle).map(|[column, row]| self.point(column, row)))
     }
 
-    /// What a node of the tree has; `None` for a node beyond the tree.
+    /// Content of a node of the tree; `None` for a node beyond the tree.
     #[inline]
     pub(crate) fn extent(&self, node: u32) -> Option<Extent> {
         self.pyramid.extent(node)

@@ -42,7 +42,7 @@ const NO_NODE: u32 = u32::MAX;
 pub(crate) struct Walk<'f, V> {
     field: &'f HeightField,
     ray: BoxedRay,
-    /// Of unit length.
+    /// Unit vector.
     direction: DVec3,
     /// Length up to which the ray is followed.
     reach: f64,

@@ -86,7 +86,7 @@ impl Hull<'_> {
     }
 
     /// Upper bound on how far a point of the source object's surface lies outside all of its convex
-    /// parts, in source units. The same for all parts of an object; `None` if it was not measured.
+    /// parts, in source units. All parts of an object have the same; `None` if not measured.
     pub fn uncovered(&self) -> Option<f64> {
         self.solid().map(|_| self.record.uncovered.to_native())
     }

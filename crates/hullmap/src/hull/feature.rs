@@ -4,7 +4,7 @@
 //! [`Shape::feature`] uses the direction alone:
 //! 1. Support queries in eight directions, tilted to all sides. If all answers are the same vertex,
 //!    the feature is that vertex.
-//! 2. Of the faces at the support vertex, the one whose normal is closest to the direction. If all
+//! 2. Take the face at the support vertex whose normal is closest to the direction. If all
 //!    eight answers are its corners, its corners are the feature, exactly.
 //! 3. Otherwise the support points in [`MAX_CORNERS`] tilted directions. This happens for an edge,
 //!    for several faces (f32 can break a flat cap into slivers), and for a face with more corners

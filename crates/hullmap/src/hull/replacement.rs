@@ -13,7 +13,7 @@ use super::{Hull, vector};
 /// primitives; hullmap's own queries use the hull.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Replacement {
-    /// What it is.
+    /// The primitive.
     pub kind: PrimitiveKind,
     /// Its centre.
     pub center: DVec3,

@@ -35,7 +35,7 @@ impl Hull<'_> {
     /// Support vertex of the hull in direction `dir`: a vertex whose dot product with `dir` is
     /// maximal.
     ///
-    /// `dir` is in the hull's local frame and need not be of unit length. Of several vertices with
+    /// `dir` is in the hull's local frame and need not be of unit length. If several vertices have
     /// the same dot product, the lowest index among the candidates of `dir`'s cell is returned. If
     /// `dir` is zero or not finite, some vertex is returned.
     ///

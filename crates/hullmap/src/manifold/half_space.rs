@@ -68,7 +68,7 @@ impl Manifold {
         }
     }
 
-    /// The same for adapters whose engine keeps the points: `is_new` if it had none.
+    /// As above, for adapters whose engine keeps the points: `is_new` if it had none.
     #[doc(hidden)]
     pub fn update_half_space_from<B: Shape + ?Sized>(
         &mut self,

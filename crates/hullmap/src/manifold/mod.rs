@@ -336,7 +336,7 @@ impl Manifold {
     }
 
     /// How the query ended that found the normal: of the contact, or of the distance if the shapes
-    /// are separated. [`Exact`](Status::Exact) if the normal is that of a face, as after a
+    /// are separated. [`Exact`](Status::Exact) if it is the normal of a face, as after a
     /// correction by [`weld`](crate::compound::seams::weld()). Without points,
     /// [`Separated`](Status::Separated), unless the shapes overlap, but no point on both surfaces
     /// was found. With [`Stalled`](Status::Stalled) and [`IterationLimit`](Status::IterationLimit),

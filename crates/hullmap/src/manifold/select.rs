@@ -27,7 +27,7 @@ use glam::DVec2;
 /// Depths that differ by less than this fraction of the prediction count as equal.
 ///
 /// The deepest of the corners of a smooth body changes with every hundredth of a degree. If it is
-/// always among the four, the body rocks for ever. Of 102 real meshes, 98 come to rest with a
+/// always among the four, the body rocks for ever. 98 of 102 real meshes come to rest with a
 /// tenth, 93 with half as much (decision 13).
 pub const SLIGHT: f64 = 0.1;
 
@@ -43,7 +43,7 @@ const KEPT_AREA: f64 = 0.9;
 /// of rest.
 ///
 /// When the body rocks on to that point, the point is pushed out from that depth, and the body
-/// gains the energy. Of 696 bodies, one gained 12 mJ/kg with the whole, and none more than 5 with
+/// gains the energy. One of 696 bodies gained 12 mJ/kg with the whole, and none more than 5 with
 /// half. With a quarter, eleven more bodies are awake after 10 s.
 pub(crate) const LEFT_OUT: f64 = 0.5;
 
@@ -312,7 +312,7 @@ pub fn choose(spots: &[Spot], center: DVec2, slight: f64, last: Option<Choice>) 
     if is_as_good { kept } else { best }
 }
 
-/// Index of the deepest of `spots`. Of those within `slight` of the deepest, the one farthest from
+/// Index of the deepest of `spots`; of all within `slight` of the deepest, the one farthest from
 /// their centre, since large quadrilaterals have it as a corner.
 fn deepest(spots: &[Spot], slight: f64) -> usize {
     let depth = spots.iter().map(|spot| spot.depth).fold(f64::NEG_INFINITY, f64::max) - slight;
@@ -456,7 +456,7 @@ mod tests {
         (0..n).map(spot).collect()
     }
 
-    /// Of a nearly flat patch with more than four corners, a deep one was left out: it returned two
+    /// A nearly flat patch with more than four corners lost a deep one: it returned two
     /// to three millimetres deep, and a robot's elbow gained energy for ever. The plane of rest is
     /// found by trying all triangles.
     #[test]
@@ -495,8 +495,8 @@ mod tests {
         assert!(exchanged > 200, "the largest area alone would do in all but {exchanged} trials");
     }
 
-    /// Of points whose depths differ by less than the tolerance, the largest area decided, and the
-    /// deepest point was missing.
+    /// If depths differed by less than the tolerance, the largest area decided, and the deepest
+    /// point was missing.
     #[test]
     fn the_exact_deepest_point_joins_without_leaving_out_a_deep_one() {
         let (mut seed, mut joined, mut supported) = (5_u64, 0, 0);

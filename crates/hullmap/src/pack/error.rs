@@ -22,7 +22,7 @@ pub enum OpenError {
     Invalid {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         source: InvalidPack,
     },
 }

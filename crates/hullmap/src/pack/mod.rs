@@ -248,7 +248,7 @@ impl Pack {
     /// Copies the bytes of a whole file and checks all of them.
     ///
     /// # Errors
-    /// What is wrong with the bytes.
+    /// The bytes are rejected; the error states the first fault.
     ///
     /// # Complexity
     /// One copy and one pass.

@@ -17,12 +17,12 @@ use crate::solver::{Cache, Contact, Settings, queries};
 /// plane was found, of each pair of parts, and [`Contact::status`] reports how the interval of the
 /// depth ended.
 ///
-/// With parts, the contact is that of the pair of parts with the maximum depth, and the interval
+/// With parts, the contact belongs to the pair of parts with the maximum depth, and the interval
 /// contains this maximum: `depth_lower` is the maximum lower bound over all pairs, `depth_upper`
 /// the maximum upper bound. Moving B by less than `depth_lower` in any direction leaves the
 /// geometries overlapping. Moving it by `depth_upper` along `normal` separates this pair; other
 /// pairs may still overlap then, or begin to. For a half-space, the normal is the plane's, the
-/// depth is that of the lowest part, and moving B by it separates all parts.
+/// depth belongs to the lowest part, and moving B by it separates all parts.
 ///
 /// # Complexity
 /// Two shapes: 1 to 4 support calls for most separated pairs, 10 to 40 for most that overlap;

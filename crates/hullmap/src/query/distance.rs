@@ -15,7 +15,7 @@ use crate::solver::{Cache, Distance, Settings, queries};
 ///
 /// With parts, points, normal and distance belong to the nearest pair of parts, and the interval
 /// contains the distance of the whole: no pair is nearer than `lower`, and the distance of some
-/// pair is at most `upper`. The status is that of the nearest pair, unless another pair's interval
+/// pair is at most `upper`. The nearest pair gives the status, unless another pair's interval
 /// makes the whole wider than the settings allow. Then it is the status of that other pair. For a
 /// half-space, the normal is the plane's; if they overlap, both points are the lowest point of the
 /// other geometry.

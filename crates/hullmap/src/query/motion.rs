@@ -123,8 +123,8 @@ where
 /// than a margin, and the least distance that is proven.
 ///
 /// Motions are in a common frame, over the times 0 to 1. `cache` belongs to this ordered pair; the
-/// query reads and updates it. With parts, the limit of queries is that of
-/// [`cast_motion`](cast_motion()), and applies to both searches together.
+/// query reads and updates it. With parts, the limit of queries is the
+/// same as for [`cast_motion`](cast_motion()), and applies to both searches together.
 ///
 /// # Complexity
 /// The same as for [`cast_motion`](cast_motion()); twice as much for a free motion if

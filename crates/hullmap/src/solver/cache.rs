@@ -56,7 +56,7 @@ const MAX_FACES: usize = 2 * MAX_POINTS;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-// What every query reads comes first, so that batches can fetch it ahead.
+// Fields that every query reads come first, so that batches can fetch them ahead.
 #[repr(C)]
 pub struct Cache {
     /// The last separating axis, from A to B, or the last normal of a small hull.
@@ -140,7 +140,7 @@ impl Default for Cache {
     }
 }
 
-/// Of a cached polytope: the features of its vertices, and the corners and neighbours of its faces.
+/// A cached polytope: features of its vertices, and corners and neighbours of its faces.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CachedPolytope<'c> {
     pub(super) points: &'c [[u32; 2]],

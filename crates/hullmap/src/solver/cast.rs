@@ -145,7 +145,7 @@ pub(crate) fn cast<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     found
 }
 
-/// What `grazing`, the cast of a point that starts at `start` and grazes a polytope, is exactly.
+/// Exact answer for `grazing`, the cast of a point from `start` that grazes a polytope.
 #[cold]
 fn cast_point(
     vertices: Vertices<'_>,

@@ -90,7 +90,7 @@ pub(crate) struct ContactQuery {
     search: ContactSearch,
 }
 
-/// What waits for a support point.
+/// The search that waits for a support point.
 #[derive(Clone, Copy, Debug)]
 enum ContactSearch {
     Portal(MprSearch),
@@ -234,7 +234,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, Contac
                 let tolerance = self.query.tolerance;
                 Step::Answer(self.m.contact_from_expansion(&expanded, tolerance, iterations, self.cache))
             }
-            // The polytope of the cache is of no use.
+            // The cached polytope is unusable.
             Step::Answer(None) => self.start_portal(Until::Decided),
         }
     }

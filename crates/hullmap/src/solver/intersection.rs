@@ -163,7 +163,7 @@ fn answer<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     Intersection { status, iterations, support_calls: m.support_calls(), parts: [0; 2] }
 }
 
-/// What follows from the outcome of MPR, and step 4: the status, and the number of steps of EPA.
+/// Conclusion from the outcome of MPR, and step 4: the status, and the number of steps of EPA.
 fn conclude<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     cache: &mut Cache,

@@ -34,7 +34,7 @@ pub(super) type Way = [DVec3; 2];
 /// The sum of products of up to [`FACTORS`] finite numbers, without any rounding.
 #[derive(Clone)]
 pub(super) struct Sum {
-    /// The sum of positive products, and that of negative ones. Lowest words first.
+    /// Sums of the positive and of the negative products. Lowest words first.
     parts: [[u64; WORDS]; 2],
 }
 

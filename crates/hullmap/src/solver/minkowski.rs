@@ -81,7 +81,7 @@ impl Point {
     }
 }
 
-/// What a search in the difference needs next.
+/// Next need of a search in the difference.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Step<T> {
     /// The support point in this direction.

@@ -18,7 +18,7 @@
 //!    overlap (line 9).
 //! 5. v4 is the support point along n. If it is no farther out than the portal, the portal is on
 //!    the surface (line 6).
-//! 6. Of the three triangles of v4 and a side of the portal keep the one that the ray pierces
+//! 6. Keep the one of the three triangles of v4 and a side of the portal that the ray pierces
 //!    (lines 7 and 8), and continue with step 4.
 //!
 //! # Deviations

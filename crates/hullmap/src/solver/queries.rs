@@ -46,7 +46,7 @@ const ROUNDING_UNITS: f64 = 8.0;
 /// the cores are about 16 of them wide.
 const TOUCHING_ROUNDINGS: f64 = 64.0;
 
-/// The same for the support errors of the shapes: they widen an interval at both ends, twice each.
+/// Limit for the support errors of the shapes: they widen an interval at both ends, twice each.
 const TOUCHING_SHORTFALLS: f64 = 8.0;
 
 pub(super) struct Core<'s, S: ?Sized>(pub(super) &'s S);

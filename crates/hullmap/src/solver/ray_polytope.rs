@@ -40,8 +40,8 @@ pub(super) const NARROW: f64 = 1e-9;
 /// Vertices of a polytope, from the index 0 on.
 pub(super) type Vertices<'v> = &'v dyn Fn(u32) -> Option<DVec3>;
 
-/// What `grazing`, an answer for a ray that grazes a polytope or meets it near its end, is in exact
-/// arithmetic. It stays if the search reaches its limit without a decision.
+/// Exact answer for a ray that grazes a polytope or meets it near its end. `grazing` stays if
+/// the search reaches its limit without a decision.
 #[cold]
 #[inline(never)]
 pub(super) fn ray_polytope(vertices: Vertices<'_>, ray: &Ray, settings: &CastSettings, grazing: RayHit) -> RayHit {

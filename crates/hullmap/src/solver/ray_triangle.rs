@@ -153,7 +153,7 @@ mod tests {
     use crate::shapes::Triangle;
     use crate::solver::ray::ray as by_support;
 
-    /// Small and large triangles, near and far: all answers are those of the search among vertices
+    /// Small and large triangles, near and far: all answers agree with the search among vertices
     /// or its intervals share a point, and most rays do not need exact arithmetic.
     #[test]
     fn answers_agree_with_those_by_support_queries() {

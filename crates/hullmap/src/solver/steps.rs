@@ -18,7 +18,7 @@ pub(crate) trait SteppedQuery: Sized {
     /// Memory that it uses until it has ended.
     type Workspace: Default;
 
-    /// What is known before the search: the answer, from balls inside of the shapes and around
+    /// The answer if it is known before the search: from balls inside of the shapes and around
     /// them, or the last separating axis, whose support point may be enough.
     fn glance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         m: &Minkowski<'_, A, B>,
@@ -63,7 +63,7 @@ pub(crate) trait SteppedQuery: Sized {
 /// A query of a pair, with everything that its steps share.
 ///
 /// The steps are methods, and are inlined: a call would move the whole state of the query into
-/// memory. What is not inlined takes only what it needs.
+/// memory. Functions that are not inlined take only what they need.
 pub(crate) struct Solver<'q, 's, A: ?Sized, B: ?Sized, Q, W> {
     /// The state between two steps.
     pub(super) query: &'q mut Q,

@@ -4,7 +4,7 @@
 //! docs/contributors/intervals.md, section 18, proves the depth.
 //!
 //! # Steps
-//! 1. Of the two faces, take the one towards the shape's interior point c. Let p be the shape's
+//! 1. Take the face towards the shape's interior point c. Let p be the shape's
 //!    lowest point along its normal n, and d the depth of p below the face.
 //! 2. If p is above the face, and its foot is on the triangle, the foot and p are the nearest
 //!    points: the plane separates the shapes by −d.

@@ -3,7 +3,7 @@
 /// How far the look-up of a support query has come, for shapes that can interrupt it wherever it
 /// waits for memory.
 ///
-/// Of 16 bytes, so that functions return it in registers.
+/// It has 16 bytes, so functions return it in registers.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lookup {
@@ -17,7 +17,7 @@ pub struct Lookup {
     pub(crate) kind: LookupKind,
 }
 
-/// What a look-up waits for.
+/// Data that a look-up waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LookupKind {
     /// A slot that a branch into squares has led to.

@@ -152,7 +152,7 @@ impl TriangleMesh {
     /// Copies the bytes of a whole file and checks all of them.
     ///
     /// # Errors
-    /// What is wrong with the bytes.
+    /// The bytes are rejected; the error states the first fault.
     ///
     /// # Complexity
     /// One copy, and a few passes.

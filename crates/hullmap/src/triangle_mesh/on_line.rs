@@ -47,15 +47,15 @@ struct Slab {
 }
 
 impl Slab {
-    /// Of an axis along which a ray moves. `low` is the coordinate of the number 0, relative to the
-    /// origin of the ray, `step` the distance of two numbers.
+    /// Slab of an axis along which a ray moves. `low` is the coordinate of the number 0,
+    /// relative to the origin of the ray, `step` the distance of two numbers.
     fn moving(axis: usize, low: f64, step: f64, margin: f64, inverse: f64) -> Self {
         let (first, last, margin) = if inverse < 0.0 { (axis + 3, axis, -margin) } else { (axis, axis + 3, margin) };
         Self { first, last, offsets: [(low - margin) * inverse, (low + margin) * inverse], step: step * inverse }
     }
 
-    /// Of an axis along which it does not move. Boxes from the number `below` to the number `above`
-    /// may meet it.
+    /// Slab of an axis along which it does not move. Boxes from the number `below` to the number
+    /// `above` may meet it.
     fn still(axis: usize, below: u16, above: u16) -> Self {
         let offsets = [-f64::from(above) * BESIDE, (1.0 - f64::from(below)) * BESIDE];
         Self { first: axis, last: axis + 3, offsets, step: BESIDE }
@@ -133,7 +133,7 @@ impl TriangleMesh {
                     [Some(_), None] => node = child,
                     [None, Some(_)] => node = child + 1,
                     [Some(first), Some(second)] => {
-                        // Of boxes that are entered at once, the one that is left first.
+                        // If both boxes are entered at once, take the one that is left first.
                         let is_nearer = (first[0], first[1]) <= (second[0], second[1]);
                         let other = if is_nearer { (child + 1, second[0]) } else { (child, first[0]) };
                         node = if is_nearer { child } else { child + 1 };

@@ -23,7 +23,7 @@ fn settings(margin: f64, share: f64, max_iterations: u32) -> ClearSettings {
     ClearSettings { motion, share }
 }
 
-/// What an answer claims, against distances at many times.
+/// Compares an answer with distances at many times.
 fn judge(found: &Clearance, margin: f64, mut gap: impl FnMut(f64) -> hullmap::Distance, what: &str) {
     let samples = (0..=SAMPLES).map(|i| f64::from(i) / f64::from(SAMPLES));
     match found.verdict {

@@ -312,7 +312,7 @@ fn ambiguous_depths_have_no_derivative() {
     assert!(inside.by_b.linear.distance(DVec3::NEG_X) < 1e-9 && inside.by_b.angular.length() < 1e-9);
 }
 
-/// What a contact knows of other normals, and an answer of its features, against the second query
+/// Compares what a contact and an answer know of other normals and features with the second query
 /// and support queries, which mostly find the same without them.
 #[test]
 fn known_normals_and_features_change_no_status() {
@@ -348,7 +348,7 @@ fn known_normals_and_features_change_no_status() {
         println!("{vertices} vertices: {unique} distances unique, {known} of {hits} contacts know");
         assert!(unique > 100 && hits > 100 && known * 100 > hits * 95, "{unique}, {known} of {hits}");
     }
-    // Of a face that is level just within the error of the normal, only some corners show it.
+    // If a face is level just within the error of the normal, only some corners show it.
     assert!(different <= 2, "{different} statuses differ");
     // As deep along y as along x, and nearly so.
     let (cube, ball) = (Cuboid::new(DVec3::ONE).unwrap(), Cuboid::new(DVec3::splat(0.25)).unwrap());

@@ -191,7 +191,7 @@ fn subnormal_velocities_keep_their_digits() {
     // The lengths are so small that the times are finite.
     let (size, settings) = (power_of_two(-56), CastSettings::default());
     for exponent in [100, 30, -1, -160, -400, -401, -540, -900, -1022, -1050, -1074] {
-        // Of length 5, exactly. The paths start at x = 1e-15.
+        // The length is exactly 5. The paths start at x = 1e-15.
         let unit = power_of_two(exponent);
         let (velocity, start) = (DVec3::new(-4.0, 3.0, 0.0) * unit, DVec3::new(1e-15, -0.75e-15, 0.0));
         for (what, found) in all_entries(size, start, velocity, &settings) {

@@ -192,7 +192,7 @@ fn a_half_space_as_b_has_the_exchanged_answers() {
     for thing in &things {
         for _ in 0..300 {
             let wall = HalfSpace::new(rng.unit_vector(), rng.between(-1.5, 0.5)).unwrap();
-            // The thing in the frame of the wall, and the wall in that of the thing.
+            // The thing in the frame of the wall, and the wall in the frame of the thing.
             let pose = Pose::new(rng.unit_vector(), rng.rotation()).unwrap();
             let back = pose.inverse();
             let point = |p: DVec3, q: DVec3| assert!(back.transform_point(p).distance(q) < 1e-12, "{p} {q}");

@@ -265,7 +265,7 @@ fn more_iterations_narrow_the_interval() {
             // The minimum offset may decrease when faces are replaced, by the rounding error of
             // slivers.
             assert!(c.depth_lower >= before.0 - 1e-9 && c.depth_upper <= before.1 && c.depth_upper < 10.0, "{at}");
-            // Without iterations, the bounds are those of the centre ray.
+            // Without iterations, the bounds come from the centre ray.
             if number > 0 {
                 before = (c.depth_lower, c.depth_upper);
             }

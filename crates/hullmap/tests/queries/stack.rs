@@ -51,8 +51,8 @@ fn poses() -> Vec<Pose> {
     offsets.map(|offset| Pose::new(offset, turned).unwrap()).to_vec()
 }
 
-/// Runs every query and returns the maximum number of iterations of a contact. What the caller owns
-/// is on the heap, so that the stack is the query's.
+/// Runs every query and returns the maximum number of iterations of a contact. Caller-owned
+/// memory is on the heap, so that the stack is the query's.
 fn run_all<S: Shape + ?Sized>(a: &S, b: &S, settings: &Settings, scratch: &mut Option<Box<Scratch>>) -> u32 {
     let mut most = 0;
     for pose in poses() {

@@ -92,7 +92,7 @@ fn the_deepest_point_and_the_area_are_kept() {
     println!("seed {SEED}");
     let mut rng = SplitMix64::new(SEED);
     let mut meshes = meshes(&mut rng);
-    // Hardly rough: many triangles in one group.
+    // Barely rough: many triangles in one group.
     meshes.push(grid(40, |_, _| 0.004 * rng.unit()));
     let settings = ManifoldSettings::default();
     let (mut worst, mut shares, mut reduced, mut many, mut touching) = (f64::INFINITY, 0, 0, 0, 0);
@@ -284,7 +284,7 @@ impl Plane {
     }
 }
 
-/// Of all triangles of spots with `center` in them, the one whose plane is deepest there.
+/// The plane that is deepest at `center`, of all triangles of spots that contain it.
 fn plane_of_rest(spots: &[DVec3], center: DVec2) -> Option<Plane> {
     let mut rest: Option<Plane> = None;
     for (i, p) in spots.iter().enumerate() {

@@ -90,7 +90,7 @@ fn answers_are_those_of_the_nearest_and_of_each_triangle() {
     for round in 0..1800 {
         let field = &fields[round % fields.len()];
         let size = field.layout().spacing[0].min(field.layout().spacing[1]);
-        // Of the solver: some tens of units in the last place of the greatest coordinate.
+        // The solver's noise: some tens of units in the last place of the greatest coordinate.
         let noise = 1e-9 * size + 64.0 * f64::EPSILON * field.bounds()[0].abs().max_element();
         let (pack, pose) = body(field, &mut rng);
         let hull = pack.hull(0).unwrap();

@@ -1,4 +1,4 @@
-//! What crates may depend on and contain: walls between crates, circles of files, unsafe code,
+//! Dependencies and contents of crates: walls between crates, circles of files, unsafe code,
 //! length of functions, and what is published.
 
 mod circles;

@@ -153,7 +153,7 @@ fn robot_descriptions_depend_neither_on_meshes_nor_on_the_command() {
     assert!(tree("hullmap-cli", "normal", &[]).contains("hullmap-robot"));
 }
 
-/// What is verified must not depend on how the command read options or wrote files.
+/// Verification must not depend on how the command reads options or writes files.
 #[test]
 fn verification_depends_on_both_sides_and_not_on_the_command() {
     assert_unseen("hullmap-verify", &["hullmap-cli", "hullmap-report", "hullmap-robot", "clap", "parry3d", "tempfile"]);

@@ -57,7 +57,7 @@ struct Arguments {
 /// Seed of the samples.
 const SEED: u64 = 1;
 
-/// What is measured of a decomposition.
+/// Measures of a decomposition.
 const MEASURES: [&str; 8] =
     ["parts", "vertices", "worst %", "mean %", "overlap %", "outside hull %", "uncovered %", "seconds"];
 

@@ -10,7 +10,7 @@ use hullmap_tests::fuzzed::{TARGETS, corpus, seeds::seeds};
 #[derive(Parser)]
 #[command(after_help = "Example:\n  cargo run --release -p hullmap-programs --bin fuzz-corpus -- unpack solver")]
 struct Arguments {
-    /// What to do
+    /// Action to perform
     action: Action,
     /// Targets to process; all by default
     #[arg(value_parser = target)]

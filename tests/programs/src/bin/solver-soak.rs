@@ -23,7 +23,7 @@ use hullmap_tests::{
     after_help = "Example:\n  HULLMAP_HULLS=game_hulls.bin cargo run --release -p hullmap-programs --bin solver-soak -- --pairs 100000000"
 )]
 struct Arguments {
-    /// What to query
+    /// Queries to run
     #[arg(long, value_enum, default_value_t = Queries::Pairs)]
     queries: Queries,
     /// Number of pairs, or of rays, casts or points

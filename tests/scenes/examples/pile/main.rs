@@ -47,7 +47,7 @@ struct Arguments {
     /// Seconds to simulate
     #[arg(long, default_value_t = 15)]
     seconds: usize,
-    /// What to compare
+    /// Ways to compare
     #[arg(long, value_delimiter = ',', default_values_t = [Choice::Parry, Choice::Baked, Choice::Dispatcher])]
     ways: Vec<Choice>,
     /// Folder for PNG images of the pile

@@ -25,7 +25,7 @@ struct Arguments {
     /// Only bodies whose names contain this
     #[arg(long, default_value = "")]
     body: String,
-    /// What the slab is made of: hulls, mesh, field, or two that meet: "mesh, field"
+    /// Form of the slab: hulls, mesh, field, or two that meet: "mesh, field"
     #[arg(long, num_args = 1.., default_values = ["hulls"])]
     forms: Vec<String>,
     /// Print each step of this cut beside the same step on the whole slab

@@ -34,7 +34,7 @@ use super::surface_pair::{Part, SurfacePair};
 /// Number of triangles that a piece may touch on a tile before more memory is allocated: 40 KB.
 const FEW: usize = 8;
 
-/// Maximum number of triangles of a piece on a tile: 2.5 MB. Those of the last step are kept.
+/// Maximum number of triangles of a piece on a tile: 2.5 MB. Those in the last step stay.
 const MOST: usize = 512;
 
 /// Part of the prediction by which a body may move before more triangles may be in reach.

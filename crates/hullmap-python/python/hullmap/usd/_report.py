@@ -11,7 +11,7 @@ class BakedPrim:
     """A mesh that has hulls. Lengths are in metres and masses in kilograms, at the scale of the stage."""
 
     path: str
-    """The mesh. Of a mesh in instances: the prim that they share."""
+    """The mesh; for a mesh in instances, the prim that they share."""
     hulls: str
     """The group of its hulls."""
     bake: int

@@ -7,7 +7,7 @@
 //! # Steps
 //! 1. Group the manifolds by their normals ([`groups`]), the deepest one first.
 //! 2. Share the eight points among the groups in turn.
-//! 3. Of each group, take the deepest point, and the corners of the convex hull of all its points,
+//! 3. From each group, take the deepest point, and the corners of the convex hull of its points,
 //!    without those that add little area ([`spread`]).
 //! 4. If a point that is left out is too far below the chosen ones ([`envelope`]), or below the
 //!    triangle on which the body then rests ([`select`](crate::manifold::select)), take it instead

@@ -41,7 +41,7 @@ pub(super) fn hull(points: &mut [usize], at: impl Fn(usize) -> DVec2, corners: &
     corners.clear();
     let is_left = |p: usize, q: usize, r: usize| (at(q) - at(p)).perp_dot(at(r) - at(p)) > 0.0;
     let append = |chain: &mut Vec<usize>, start: usize, next: usize| {
-        // Of equal points, the first one stays.
+        // The first of equal points stays.
         if chain.last().is_some_and(|last| at(*last) == at(next)) {
             return;
         }
@@ -82,9 +82,9 @@ pub(super) fn reduce(corners: &mut Vec<usize>, most: usize, kept: &[usize], at: 
         let loss = |rank: usize| {
             let [before, own, after] = around(rank);
             match count {
-                // Of two points, the one stays that is far from a kept one.
+                // Two points: keep the one that is far from a kept one.
                 2 => kept.first().map_or(0.0, |kept| own.distance(at(*kept))),
-                // Of three, the two stay that are farthest apart.
+                // Three points: keep the two that are farthest apart.
                 3 => -before.distance(after),
                 _ => ear(rank),
             }

@@ -4,8 +4,8 @@
 //! # Steps of [`seed`], where portal refinement left no tetrahedron with a volume
 //! 1. Query support points both ways along the three axes. Keep the two that are farthest from each
 //!    other.
-//! 2. Of these six, and of four more perpendicular to the line of the two, keep the point farthest
-//!    from the line.
+//! 2. Query four more directions, perpendicular to the line of the two. Keep the point
+//!    farthest from the line of all ten.
 //! 3. Query both ways along the normal of the triangle. Keep the point farther from it.
 //! 4. If the length, the height or the thickness is within rounding error, the rank is 0, 1 or 2:
 //!    flat.

@@ -131,7 +131,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, EpaSea
     #[inline(always)]
     pub(in crate::solver) fn advance(self, point: Option<Point>) -> Step<Option<Expansion>> {
         let Self { query: EpaSearch { terms, state, is_medium, again }, m, cache, workspace } = self;
-        // While it grows. What the cache has already is kept.
+        // While it grows. Entries that the cache has already are kept.
         let keeps = !*again && terms.keeps_polytope();
         let has_ended = match point {
             Some(point) if *is_medium => state.expand(workspace.medium(), terms, point),

@@ -344,8 +344,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         self.corners[face].map(|i| self.position(usize::from(i)))
     }
 
-    /// Of all faces in the plane of `face`, up to `slack`, the one with the point closest to the
-    /// origin.
+    /// The face in the plane of `face`, up to `slack`, that has the point closest to the origin.
     pub(in crate::solver) fn face_of_foot(&self, face: usize, slack: f64) -> usize {
         let nearest = |face: usize| {
             let [p, q, r] = self.face_points(face);

@@ -66,8 +66,8 @@ pub(in crate::solver) struct Terms {
 }
 
 impl Terms {
-    /// Of a search for the depth, until upper − lower ≤ tolerance · upper + rounding error. Without
-    /// a tolerance, only whether the origin is inside is decided.
+    /// Terms of a search for the depth, until upper − lower ≤ tolerance · upper + rounding error.
+    /// Without a tolerance, only whether the origin is inside is decided.
     pub(in crate::solver) fn new<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         m: &Minkowski<'_, A, B>,
         tolerance: Option<f64>,
@@ -196,7 +196,7 @@ impl State {
         let is_separated = value < -terms.rounding;
         let is_touching = value <= TOUCHING_ROUNDINGS * terms.rounding;
         if value < self.out.bound.upper || is_tight || is_touching {
-            // Of the faces in this plane, take the one that contains the origin's foot.
+            // Take the face in this plane that contains the origin's foot.
             let face = if is_tight { polytope.face_of_foot(face, terms.noise) } else { face };
             (self.out.bound.upper, self.out.bound.normal) = (value, direction / length);
             self.corners = Some(polytope.corners[face]);

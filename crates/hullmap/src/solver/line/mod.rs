@@ -53,7 +53,7 @@ const ERROR_SHARE: f64 = 0.25;
 /// error allows.
 const EXACT_ERRORS: f64 = 64.0;
 
-/// What to search for.
+/// A ray or a cast to solve.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LineQuery {
     pub(super) direction: DVec3,
@@ -72,8 +72,7 @@ pub(super) struct Entry {
     pub(super) at: f64,
     pub(super) lower: f64,
     pub(super) upper: f64,
-    /// Of unit length, from A to B: of the plane that bounds the entry from below, or that proves a
-    /// miss.
+    /// Unit normal, from A to B, of the plane that bounds the entry from below, or proves a miss.
     pub(super) normal: DVec3,
     /// The points of A and of B, which has moved to the entry, in A's frame.
     pub(super) points: [DVec3; 2],

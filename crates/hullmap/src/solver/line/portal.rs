@@ -251,7 +251,7 @@ impl<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'m, 's, 
         if clearance > 0.0 { off + off / (off + clearance) * 2.0 * self.clip.reach } else { f64::INFINITY }
     }
 
-    /// The same for a portal that the line pierces inside its edges by more than the corners'
+    /// The error for a portal that the line pierces inside its edges by more than the corners'
     /// errors: then the slope of the portal bounds the error. Infinite otherwise.
     pub(super) fn error_in(&self, portal: &Portal, pierced: &Pierced) -> f64 {
         let [a, b, c] = portal.corners.map(|corner| corner.at);

@@ -69,7 +69,7 @@ const DIRECTION_UNITS: f64 = 24.0;
 const TINY_ROUNDINGS: f64 = 32.0;
 
 /// Whether the test is likely to be faster than the general path. The fewer vertices, the more it
-/// gains: not for a pair that hardly overlaps, nor for one whose last polytope EPA can start from,
+/// gains: not for a pair that barely overlaps, nor for one whose last polytope EPA can start from,
 /// and above 16 vertices for neither. docs/contributors/decisions/0012-separating-axes.md has the
 /// measurements.
 pub(super) fn pays<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
@@ -149,7 +149,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     }
     // 5.
     let (status, lower) = search.interval(reach, tolerance)?;
-    // What the first pass has ruled out is at least two of its errors above the depth.
+    // Axes that the first pass ruled out are at least two of its errors above the depth.
     let others = search.others.min(search.best.upper + 2.0 * f64::from(first.error)) - (search.best.upper - lower);
     // 6.
     let AxisSearch { m, mut best, mut features, lowest_of_a, .. } = search;

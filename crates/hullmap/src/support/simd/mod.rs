@@ -298,7 +298,7 @@ mod tests {
             compare_with_scalars::<4>(&mut rng, round, &mut seen);
             compare_with_scalars::<8>(&mut rng, round, &mut seen);
         }
-        // Of 400 rounds: some points near the farthest one, and lesser values.
+        // In 400 rounds: some points near the farthest one, and lesser values.
         assert!(seen[0] > 800 && (1_000..3_000).contains(&seen[1]), "{seen:?}");
     }
 

@@ -52,7 +52,7 @@ fn circles_of_rust_files_are_found() {
         // In place, in a macro, in an attribute, and by a module.
         ("pub struct A(crate::b::B);", "use super::a; pub struct B(a::A);"),
         ("pub fn A() { assert!(crate::b::B() > 0) }", "#[error(\"{}\", crate::a::A)] pub fn B() {}"),
-        // Of a block in a file.
+        // A block in a file.
         ("pub mod inner { use super::super::b::B; } pub struct A;", "use crate::a::A; pub struct B;"),
     ] {
         let found = circles(&[root, a(uses_b), ("src/b.rs", uses_a)]);

@@ -1,0 +1,102 @@
+//! Flags in docs/COMMAND.md, made from the command.
+//!
+//! Each section of the page has a block between two marks. With `UPDATE=1`, the test replaces the
+//! blocks; otherwise it fails if one is stale. `clap-markdown` was judged: it repeats the forty
+//! flags of `bake build` under six other commands, and takes a page without other text.
+
+use std::collections::HashSet;
+use std::{env, fs};
+
+use clap::{Arg, Command};
+
+const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/COMMAND.md");
+const END: &str = "<!-- end -->\n";
+
+fn start(name: &str) -> String {
+    format!("<!-- bake {name}: made by args/reference.rs -->\n")
+}
+
+/// An argument as it is typed: `--max-vertices N`, `INPUT`.
+fn typed(arg: &Arg) -> String {
+    let names = arg.get_value_names().unwrap_or_default().join(" ");
+    match arg.get_long() {
+        // A switch takes its value after `=`, and rarely has one.
+        Some(long) if !arg.get_action().takes_values() || arg.is_require_equals_set() => format!("--{long}"),
+        Some(long) => format!("--{long} {names}"),
+        None => names,
+    }
+}
+
+fn meaning(arg: &Arg) -> String {
+    let help = arg.get_help().map(ToString::to_string).unwrap_or_default();
+    assert!(!help.is_empty(), "no help: {}", typed(arg));
+    let values: Vec<_> = arg.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
+    match values.as_slice() {
+        [value] if arg.get_action().takes_values() && !arg.is_hide_default_value_set() => {
+            format!("{help} [default: {value}]")
+        }
+        _ => help,
+    }
+}
+
+/// Usage and arguments of a subcommand. Flags that mean the same in `bake build` are only named.
+fn block(own: &Command, build: &Command) -> String {
+    let usage = own.clone().render_usage().to_string();
+    let mut text = format!("    {}\n", usage.trim_start_matches("Usage: "));
+    let is_repeated = |arg: &Arg| {
+        let same = |other: &Arg| other.get_long() == arg.get_long() && meaning(other) == meaning(arg);
+        arg.get_long().is_some() && own.get_name() != "build" && build.get_arguments().any(same)
+    };
+    let shown = own.get_arguments().filter(|arg| !arg.is_hide_set() && arg.get_id() != "help");
+    let (repeated, listed): (Vec<_>, Vec<_>) = shown.partition(|arg| is_repeated(arg));
+    let mut headings: Vec<_> = listed.iter().map(|arg| arg.get_help_heading()).collect();
+    // As in the help: arguments without a heading come first.
+    headings.sort_by_key(Option::is_some);
+    let mut seen = HashSet::new();
+    headings.retain(|heading| seen.insert(*heading));
+    for heading in headings {
+        text += &heading.map_or_else(|| "\n".to_owned(), |heading| format!("\n{heading}:\n\n"));
+        for arg in listed.iter().filter(|arg| arg.get_help_heading() == heading) {
+            text += &format!("- `{}`: {}\n", typed(arg), meaning(arg));
+        }
+    }
+    // A heading stands for its flags if all of them are repeated.
+    let is_whole = |heading: Option<&str>| {
+        let of_build = build.get_arguments().filter(|arg| arg.get_help_heading() == heading);
+        heading.is_some() && of_build.count() == repeated.iter().filter(|arg| arg.get_help_heading() == heading).count()
+    };
+    let mut names: Vec<String> = Vec::new();
+    for arg in &repeated {
+        let name = match arg.get_help_heading() {
+            Some(heading) if is_whole(Some(heading)) => format!("all of *{heading}*"),
+            _ => format!("`--{}`", arg.get_long().unwrap_or_default()),
+        };
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    if !names.is_empty() {
+        text += &format!("\nAs for [bake build](#bake-build): {}.\n", names.join(", "));
+    }
+    text
+}
+
+#[test]
+fn the_page_has_the_flags_of_the_command() {
+    let mut command = super::command("bake");
+    command.build();
+    let build = command.find_subcommand("build").unwrap();
+    let page = fs::read_to_string(PAGE).unwrap();
+    let mut made = page.clone();
+    for own in command.get_subcommands() {
+        let mark = start(own.get_name());
+        let (before, rest) = made.split_once(&mark).unwrap_or_else(|| panic!("docs/COMMAND.md lacks {mark}"));
+        let (_, after) = rest.split_once(END).unwrap();
+        made = format!("{before}{mark}{}{END}{after}", block(own, build));
+    }
+    if env::var_os("UPDATE").is_some() {
+        fs::write(PAGE, &made).unwrap();
+    } else {
+        assert!(page == made, "docs/COMMAND.md is stale: UPDATE=1 cargo test -p hullmap-cli --lib reference");
+    }
+}
