@@ -108,9 +108,16 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
     ] {
         let (name, heading) = name.split_once(": ").unwrap_or((name, "Fields"));
         let mut documented = list(&section(name), heading);
-        if heading == "Fields of a triangle mesh" {
-            let of_build = list(&section("build"), "Fields");
-            documented.extend(of_build.into_iter().filter(|field| field.starts_with("triangle_mesh.")));
+        // Other kinds of files have the fields of packs, and the counts that `bake build` prints.
+        if let ("inspect", Some(kind)) = (name, heading.strip_prefix("Fields of a ")) {
+            let of_build = list(&section("build"), "Fields").into_iter().filter_map(|field| {
+                let field = field.strip_prefix("triangle_mesh.")?.to_owned();
+                let is_shared = kind == "triangle mesh" || field.starts_with("edges.");
+                is_shared.then(|| format!("{}.{field}", kind.replace(' ', "_")))
+            });
+            let of_packs = list(&section(name), "Fields").into_iter();
+            let of_packs = of_packs.filter(|field| !field.starts_with("hulls") && field != "lean");
+            documented.extend(of_build.chain(of_packs));
         }
         let mut all = BTreeSet::new();
         for line in lines {
