@@ -108,7 +108,7 @@ impl Engine {
 
 /// Median times of one vertex count and one selection of poses (a class, or all), by engine, in
 /// nanoseconds per query. They are the means over the families.
-struct Cell {
+struct Medians {
     n: usize,
     poses: &'static str,
     ns: [f64; Engine::ALL.len()],
@@ -167,7 +167,7 @@ fn measure(
     arguments: &Arguments,
     mujoco: &MuJoCo,
     n: usize,
-    cells: &mut Vec<Cell>,
+    cells: &mut Vec<Medians>,
     differences: &mut Differences,
 ) -> Result<(), Box<dyn Error>> {
     let mut times: Vec<[Vec<f64>; Engine::ALL.len()]> = vec![Default::default(); Mix::ALL.len()];
@@ -188,7 +188,7 @@ fn measure(
     }
     cells.extend(Mix::ALL.into_iter().zip(&times).map(|(mix, times)| {
         let ns = std::array::from_fn(|engine| times[engine].iter().sum::<f64>() / times[engine].len() as f64);
-        Cell { n, poses: mix.name(), ns }
+        Medians { n, poses: mix.name(), ns }
     }));
     Ok(())
 }
@@ -276,7 +276,7 @@ fn second_pass(items: &[Placed], mut query: impl FnMut(usize, &Placed)) -> f64 {
     time_ns(pass) / items.len() as f64
 }
 
-fn tables(cells: &[Cell]) -> Vec<Matrix> {
+fn tables(cells: &[Medians]) -> Vec<Matrix> {
     type Shown = fn(&[f64; Engine::ALL.len()]) -> String;
     let kinds: [(&str, Shown); 5] = [
         ("Random poses, empty caches: ns per query, hullmap / MuJoCo / parry3d", |ns| {
@@ -300,7 +300,7 @@ fn tables(cells: &[Cell]) -> Vec<Matrix> {
 }
 
 /// One line for each time.
-fn to_csv(cells: &[Cell]) -> Csv {
+fn to_csv(cells: &[Medians]) -> Csv {
     let mut csv = Csv::new(&["n", "order", "poses", "engine", "ns"]);
     for cell in cells {
         for engine in Engine::ALL {

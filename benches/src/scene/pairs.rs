@@ -61,13 +61,13 @@ const JITTER: f64 = 0.2;
 
 /// A cube of bodies. Each moves by 1 % of its size and turns by one degree from frame to frame.
 pub struct Crowd {
-    bodies: Vec<Body>,
+    bodies: Vec<CrowdBody>,
     /// Neighbours, in the order of the first body.
     neighbours: Vec<[usize; 2]>,
     hull_count: usize,
 }
 
-struct Body {
+struct CrowdBody {
     at: DVec3,
     rotation: DQuat,
     way: DVec3,
@@ -90,7 +90,7 @@ impl Crowd {
                 let place = DVec3::from_array(places.map(|place| (i / place % side) as f64)) * SPACING;
                 let jitter = DVec3::from_array([(); 3].map(|()| rng.between(-JITTER, JITTER)));
                 let [way, axis] = [(); 2].map(|()| DVec3::from_array(rng.direction()));
-                Body { at: place + jitter, rotation: random_rotation(&mut rng), way, axis }
+                CrowdBody { at: place + jitter, rotation: random_rotation(&mut rng), way, axis }
             })
             .collect();
         Self { bodies, neighbours, hull_count }
@@ -104,7 +104,7 @@ impl Crowd {
     /// All pairs of neighbours at a frame.
     pub fn frame(&self, frame: usize) -> Vec<Placed> {
         let time = frame as f64;
-        let pose = |body: &Body| {
+        let pose = |body: &CrowdBody| {
             let rotation = DQuat::from_axis_angle(body.axis, TURN_RAD * time) * body.rotation;
             (body.at + body.way * (2.0 * STEP * time), rotation)
         };

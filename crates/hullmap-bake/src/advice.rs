@@ -365,7 +365,7 @@ pub const FAR: f64 = 0.05;
 
 /// Parts that protrude more than requested: by the length `reached`, instead of `requested`; `size`
 /// is the mesh's diagonal. With a maximum number of parts this is a note up to [`FAR`], since the
-/// error was to be found; a search that ended early is a warning.
+/// error is an output, not a limit; a search that ended early is a warning.
 pub fn beyond(name: &str, max_parts: Option<u32>, is_timed: bool, [reached, requested, size]: [f64; 3]) -> Remark {
     let share = percent(reached / size);
     let shares = format!("{} ({share} of the diagonal) instead of {}", short(reached), short(requested));

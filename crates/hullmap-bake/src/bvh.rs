@@ -30,7 +30,7 @@ pub fn build(hulls: &mut [HullRecord]) -> Vec<BvhNode> {
     let mut nodes = vec![BvhNode::default()];
     let mut queue = VecDeque::from([(0, 1, (0..hulls.len()).collect::<Vec<usize>>())]);
     while let Some((index, level, mut below)) = queue.pop_front() {
-        let bounds = Bounds::around(hulls, &below);
+        let bounds = HullBox::around(hulls, &below);
         let first_child = nodes.len();
         nodes[index] = BvhNode {
             bounds_min: bounds.low,
@@ -51,12 +51,12 @@ pub fn build(hulls: &mut [HullRecord]) -> Vec<BvhNode> {
 }
 
 #[derive(Clone, Copy)]
-struct Bounds {
+struct HullBox {
     low: [f32; 3],
     high: [f32; 3],
 }
 
-impl Bounds {
+impl HullBox {
     fn of_hull(hull: &HullRecord) -> Self {
         Self { low: hull.bounds_min, high: hull.bounds_max }
     }
@@ -87,10 +87,10 @@ fn split(hulls: &[HullRecord], below: &mut Vec<usize>, levels: u32) -> Vec<usize
     for axis in 0..3 {
         sort(hulls, below, axis);
         let areas = |order: &mut dyn Iterator<Item = usize>| -> Vec<f64> {
-            let grow = |all: &mut Option<Bounds>, hull: usize| {
-                let own = Bounds::of_hull(&hulls[hull]);
+            let grow = |all: &mut Option<HullBox>, hull: usize| {
+                let own = HullBox::of_hull(&hulls[hull]);
                 *all = Some(all.map_or(own, |all| all.with(own)));
-                all.map(Bounds::area)
+                all.map(HullBox::area)
             };
             order.scan(None, grow).collect()
         };

@@ -9,7 +9,7 @@
 // height fields, too, with triangles in place of hulls.
 //
 // Frames and units. Every shape has a frame of its own. A pose b_in_a maps B's frame into A's.
-// Points, normals and directions of answers are in A's frame, or in that which motions are in; a
+// Points, normals and directions of answers are in A's frame, or in the frame of the motions; a
 // normal points from A to B, and is of unit length. Lengths are in the unit of the shapes, whatever
 // it is. Numbers are double precision.
 //

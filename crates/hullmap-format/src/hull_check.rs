@@ -13,7 +13,7 @@ use crate::{
     mass,
     sections::Sections,
     solid_kind::SolidKind,
-    walk::{Cost, Shape, walk},
+    walk::{Cost, IndexShape, walk},
 };
 
 pub(crate) struct HullCheck<'a> {
@@ -371,7 +371,7 @@ impl HullCheck<'_> {
         }
         let roots = usize::try_from(kind.root_count()).unwrap_or(usize::MAX);
         let leaf_blocks = r.leaf_blocks.to_native();
-        let shape = Shape { roots, branches: kind.branches(), leaf_blocks, block_count: self.block_count() };
+        let shape = IndexShape { roots, branches: kind.branches(), leaf_blocks, block_count: self.block_count() };
         let walked = walk(shape, slots)?;
         let expected = if kind == IndexKind::None { shape.scan_cost() } else { walked };
         let found = Cost { nodes: r.max_nodes.to_native(), dots: r.max_dots.to_native() };

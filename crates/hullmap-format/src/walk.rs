@@ -36,7 +36,7 @@ pub struct Cost {
 
 /// Facts about an index that are not in its words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shape {
+pub struct IndexShape {
     /// Number of slots at the front.
     pub roots: usize,
     /// How a branch divides its cell.
@@ -47,7 +47,7 @@ pub struct Shape {
     pub block_count: u32,
 }
 
-impl Shape {
+impl IndexShape {
     /// Cost of scanning all blocks.
     pub fn scan_cost(&self) -> Cost {
         Cost { nodes: 0, dots: self.block_count.saturating_mul(LANES as u32) }
@@ -119,19 +119,19 @@ pub enum Below {
 /// ```
 /// use hullmap_format::{
 ///     slot::Slot,
-///     walk::{Below, Branches, Shape, SlotWalk},
+///     walk::{Below, Branches, IndexShape, SlotWalk},
 /// };
 ///
 /// // A cube map with one cell per face: six roots, all with the same leaf.
 /// let words = [Slot::Block(0).encode(); 6];
-/// let shape = Shape { roots: 6, branches: Branches::None, leaf_blocks: 1, block_count: 1 };
+/// let shape = IndexShape { roots: 6, branches: Branches::None, leaf_blocks: 1, block_count: 1 };
 /// for visit in SlotWalk::new(shape, &words[..]) {
 ///     assert_eq!(visit?.below, Below::Leaf { first: 0, count: 1 });
 /// }
 /// # Ok::<(), hullmap_format::walk::IndexError>(())
 /// ```
 pub struct SlotWalk<'a, W: ?Sized> {
-    shape: Shape,
+    shape: IndexShape,
     words: &'a W,
     /// Slots of the current node that have not been read yet.
     slots: Range<usize>,
@@ -159,7 +159,7 @@ struct Pending {
 
 impl<'a, W: Words + ?Sized> SlotWalk<'a, W> {
     /// Starts at the first root.
-    pub fn new(shape: Shape, words: &'a W) -> Self {
+    pub fn new(shape: IndexShape, words: &'a W) -> Self {
         let bits_left = if shape.branches == Branches::None { 0 } else { 2 * GRID_BITS };
         let (slots, pending) = (0..shape.roots, VecDeque::new());
         Self { shape, words, slots, depth: 0, bits_left, pending, older: 0, free: shape.roots, is_done: false }
@@ -295,7 +295,7 @@ impl<W: Words + ?Sized> Iterator for SlotWalk<'_, W> {
 ///
 /// # Complexity
 /// O(words) time; memory for the widest level.
-pub fn walk<W: Words + ?Sized>(shape: Shape, words: &W) -> Result<Cost, IndexError> {
+pub fn walk<W: Words + ?Sized>(shape: IndexShape, words: &W) -> Result<Cost, IndexError> {
     let mut cost = Cost::default();
     for visit in SlotWalk::new(shape, words) {
         let Visit { depth, below, .. } = visit?;
@@ -313,7 +313,7 @@ mod tests {
     use crate::slot::{BRANCH_LIMIT, Branch, encode_f64};
 
     fn check(words: &[u32], roots: usize, block_count: u32, branches: Branches) -> Result<Cost, IndexError> {
-        walk(Shape { roots, branches, leaf_blocks: 1, block_count }, words)
+        walk(IndexShape { roots, branches, leaf_blocks: 1, block_count }, words)
     }
 
     fn normal(n: [f64; 3]) -> Vec<u32> {

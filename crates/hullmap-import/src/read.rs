@@ -69,7 +69,7 @@ pub fn read(file: &str, path: &Path, limits: &Limits) -> Result<SourceFile, Read
     })
 }
 
-/// Reads a file, and those beside it that `names` finds in its bytes, each a `kind` in messages.
+/// Reads a file, and files beside it that `names` finds in its bytes, each a `kind` in messages.
 pub(crate) fn read_beside(
     file: &str,
     path: &Path,

@@ -99,7 +99,7 @@ pub fn fill<'py>(
     columns.into_arrays(py)
 }
 
-/// Pairs, the poses of the second shapes in the frames of the first, and how to go through them.
+/// Pairs, the poses of the second shapes in the frames of the first, and how to iterate over them.
 pub struct Task<'p> {
     pub pairs: &'p Pairs,
     pub poses: Poses,

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// Why a description was not read or not edited.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RobotError {
-    /// The file that is at fault.
+    /// The faulty file.
     pub file: PathBuf,
     /// The line in it, from 1; `None` if the whole file is meant.
     pub line: Option<u32>,

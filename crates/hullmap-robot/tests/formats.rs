@@ -163,7 +163,7 @@ fn sdf_optimization_is_removed_from_parts() {
     }
 }
 
-/// Poses of collisions, and what becomes of each kind of `inertial`.
+/// Poses of collisions, and what happens to each kind of `inertial`.
 #[test]
 fn sdf_inertia() {
     let shape = |name: &str, pose: &str| {

@@ -1,4 +1,4 @@
-//! Levels and terrains that keep their triangles: triangle meshes and height fields.
+//! Levels, which keep their triangles: triangle meshes and height fields.
 
 use std::path::Path;
 use std::sync::Arc;

@@ -61,7 +61,7 @@ pub(crate) fn intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         return decided(Overlap::Overlapping);
     }
     if cache.axis().is_none()
-        && let Some(axis) = separating_axis(&Bounds::new(box_a), &Bounds::new(box_b), b_in_a)
+        && let Some(axis) = separating_axis(&CenteredBox::new(box_a), &CenteredBox::new(box_b), b_in_a)
     {
         cache.set_axis(axis);
         return decided(Overlap::Separated);
@@ -70,12 +70,12 @@ pub(crate) fn intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 }
 
 /// A hull's bounding box in its own frame.
-struct Bounds {
+struct CenteredBox {
     center: DVec3,
     half: DVec3,
 }
 
-impl Bounds {
+impl CenteredBox {
     fn new([low, high]: [DVec3; 2]) -> Self {
         // Exact in f64 up to rounding in the last digit.
         Self { center: (low + high) * 0.5, half: (high - low) * 0.5 }
@@ -84,7 +84,7 @@ impl Bounds {
 
 /// Separating axis theorem (SAT) for two oriented boxes: a unit axis in A's frame, from A to B, on
 /// which the gap between the boxes exceeds the rounding error.
-fn separating_axis(a: &Bounds, b: &Bounds, b_in_a: Pose) -> Option<DVec3> {
+fn separating_axis(a: &CenteredBox, b: &CenteredBox, b_in_a: Pose) -> Option<DVec3> {
     let rotation = b_in_a.rotation_matrix();
     let between = b_in_a.transform_point(b.center) - a.center;
     let largest =

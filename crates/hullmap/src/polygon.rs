@@ -20,7 +20,7 @@ const MAX_CORNERS: usize = 24;
 
 /// A side of a polygon.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Side {
+pub(crate) struct PolygonSide {
     /// The corner from which it starts.
     pub(crate) start: DVec2,
     /// Normal that points out of the polygon, as long as the side.
@@ -40,7 +40,7 @@ pub(crate) fn edge_distance(a: DVec2, b: DVec2) -> f64 {
 /// until it returns `None` or one that is not beyond the side, or the polygon is full. Returns the
 /// distance of the origin from the nearest side, which is negative outside; `None` if all corners
 /// coincide.
-pub(crate) fn expand(corners: [DVec2; 3], mut next: impl FnMut(&Side) -> Option<DVec2>) -> Option<f64> {
+pub(crate) fn expand(corners: [DVec2; 3], mut next: impl FnMut(&PolygonSide) -> Option<DVec2>) -> Option<f64> {
     let mut polygon: ArrayVec<DVec2, MAX_CORNERS> = corners.into_iter().collect();
     loop {
         let (index, side) = nearest_side(&polygon)?;
@@ -54,15 +54,15 @@ pub(crate) fn expand(corners: [DVec2; 3], mut next: impl FnMut(&Side) -> Option<
 }
 
 #[expect(clippy::indexing_slicing, reason = "the index is taken modulo the number of corners")]
-fn nearest_side(polygon: &[DVec2]) -> Option<(usize, Side)> {
-    let mut nearest: Option<(usize, Side)> = None;
+fn nearest_side(polygon: &[DVec2]) -> Option<(usize, PolygonSide)> {
+    let mut nearest: Option<(usize, PolygonSide)> = None;
     for (index, &start) in polygon.iter().enumerate() {
         let end = polygon[(index + 1) % polygon.len()];
         let distance = edge_distance(start, end);
         // A side without length bounds nothing.
         if start != end && nearest.is_none_or(|(_, side)| distance < side.distance) {
             let outward = DVec2::new(end.y - start.y, start.x - end.x);
-            nearest = Some((index, Side { start, outward, distance }));
+            nearest = Some((index, PolygonSide { start, outward, distance }));
         }
     }
     nearest

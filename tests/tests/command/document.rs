@@ -1,5 +1,5 @@
-//! docs/COMMAND.md is correct: it lists every JSON field of each command, and no others. Its flags are
-//! made from the command (`args/reference.rs` in the crate of the command).
+//! docs/COMMAND.md is correct: it lists every JSON field of each command, and no others. Its flags
+//! are made from the command (`args/reference.rs` in the crate of the command).
 
 use std::{collections::BTreeSet, fs};
 

@@ -1,5 +1,5 @@
 //! Triangle meshes and height fields, from the command to files, and back; and folders that mix
-//! props, levels and terrains.
+//! props, triangle meshes and height fields.
 
 use std::fs;
 use std::path::Path;

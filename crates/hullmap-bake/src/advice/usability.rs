@@ -129,7 +129,7 @@ fn thin(object: &ObjectMeasures) -> Option<Doubt> {
     Some(Doubt { flaw: Flaw::Thin, remark, parts: found })
 }
 
-/// With a maximum number of parts, the error was to be found, and no protrusion up to [`FAR`] is a
+/// With a maximum number of parts, the error is an output, and no protrusion up to [`FAR`] is a
 /// flaw.
 fn protruding(object: &ObjectMeasures) -> Option<Doubt> {
     let remark = excess(object).filter(|remark| remark.is_warning)?;
@@ -142,7 +142,7 @@ fn protruding(object: &ObjectMeasures) -> Option<Doubt> {
 }
 
 /// Remark about parts that protrude more than the maximum error of their cover: a warning, or a
-/// note if that error was to be found.
+/// note if that error is an output.
 pub fn excess(object: &ObjectMeasures) -> Option<Remark> {
     let cover = object.cover?;
     let reached = object.parts.iter().filter_map(|part| part.protrusion).fold(0.0, f64::max);

@@ -22,7 +22,7 @@ use super::{
         body::{Body, bounds, longest},
         few,
         field::Field,
-        wrap::{self, Bounds},
+        wrap::{self, HullLimits},
     },
 };
 use crate::{
@@ -52,7 +52,7 @@ pub struct Filling<'a, 'b> {
     pub field: &'a Field<'a>,
     pub solid: &'a Solid,
     pub vertices: &'a SourceVertices<'a>,
-    pub bounds: Bounds<'b>,
+    pub bounds: HullLimits<'b>,
     /// Volume that parts may have in common, relative to the sum of their volumes.
     pub overlap: f64,
     /// Maximum number of parts. Where it is reached, voids are left.
@@ -203,7 +203,7 @@ impl Filling<'_, '_> {
     }
 
     fn within_limits(&self, points: &[DVec3]) -> Option<Hull> {
-        let Bounds { diagonal, thickness, max_vertices, .. } = self.bounds;
+        let HullLimits { diagonal, thickness, max_vertices, .. } = self.bounds;
         let hull = self.vertices.built(few::within_vertices(wrap::tight(points, diagonal, thickness)?, max_vertices));
         Some(hull).filter(|hull| hull.vertices.len() <= max_vertices && hull.rank == 3)
     }

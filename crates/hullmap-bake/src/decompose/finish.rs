@@ -13,7 +13,7 @@ use super::{
         few,
         shape::{large_faces, tightened},
         symmetric,
-        wrap::{self, Bounds},
+        wrap::{self, HullLimits},
     },
     rest,
 };
@@ -44,8 +44,8 @@ struct Unit {
 struct Finish<'a, 'b> {
     vertices: &'a SourceVertices<'a>,
     levels: &'a Levels<'b>,
-    bounds: Bounds<'b>,
-    thin: Bounds<'b>,
+    bounds: HullLimits<'b>,
+    thin: HullLimits<'b>,
     sides: Vec<HalfSpace>,
 }
 
@@ -93,7 +93,7 @@ impl Finish<'_, '_> {
 
     fn tight(&self, part: &Part, share: f64) -> Hull {
         let max_vertices = ((share * self.bounds.max_vertices as f64) as usize).max(crate::simplify::MIN_VERTICES);
-        let bounds = Bounds { max_vertices, ..self.bounds };
+        let bounds = HullLimits { max_vertices, ..self.bounds };
         let tight = tightened(&self.levels.field, part, &self.sides, &bounds);
         wrap::thick(&self.levels.field, tight, &self.thin)
     }
@@ -133,7 +133,7 @@ impl Finish<'_, '_> {
     /// A part of a triangle that no other covers, and its image if that is another part and there
     /// is `room`.
     fn of_triangle(&self, corners: &Triangle, room: usize) -> Vec<Unit> {
-        let Bounds { diagonal, max_vertices, .. } = self.bounds;
+        let HullLimits { diagonal, max_vertices, .. } = self.bounds;
         let own = wrap::of_polygon(corners, diagonal, self.thin.thickness, max_vertices);
         let unit = |(_, hull)| match self.mirror() {
             Some(mirror) if room > 1 => self.with_image(hull, mirror),
@@ -184,7 +184,7 @@ impl Finish<'_, '_> {
     /// A unit whose hull on one `side` has absorbed triangles; `None` if the hull is not proven to
     /// be within the limit. If it `must` absorb them, a larger protrusion is accepted.
     fn absorbed(&self, unit: &Unit, side: usize, triangles: &[Triangle], must: bool) -> Option<Unit> {
-        let Bounds { diagonal, thickness, max_vertices, .. } = self.bounds;
+        let HullLimits { diagonal, thickness, max_vertices, .. } = self.bounds;
         let hull = unit.hulls().nth(side)?;
         let mut points = [hull.positions().as_slice(), triangles.as_flattened()].concat();
         let own_image = self.mirror().filter(|_| unit.image.is_none());

@@ -16,7 +16,7 @@
 
 use super::{
     parameters::Cover,
-    partition::{self, Part, PartitionLimits, Samples, Useful, field::Field, surface::Surface, wrap::Bounds},
+    partition::{self, Part, PartitionLimits, Samples, Useful, field::Field, surface::Surface, wrap::HullLimits},
 };
 use crate::{
     deadline::{Deadline, Reserve},
@@ -41,7 +41,7 @@ const LEAST_ERROR: f64 = 2e-5;
 /// f32 moves a vertex by up to 2e-7 of the coordinate; a cell may protrude by 8 % of the limit.
 const LEAST_ROUNDED: f64 = 1e-5;
 
-/// Maximum number of parts made by halving, the result if the time ends at once.
+/// Maximum number of parts made by halving, the result if the deadline has already passed.
 const HALVED: usize = 8;
 
 /// Smallest limit that is searched for fewer parts, relative to the diagonal.
@@ -207,22 +207,22 @@ impl<'a> Levels<'a> {
         self.field.solid().diagonal()
     }
 
-    fn bounds(&self, limit: f64) -> Bounds<'a> {
+    fn bounds(&self, limit: f64) -> HullLimits<'a> {
         let deadline = self.deadline.map(|deadline| deadline.with_reserve(FINISHING));
-        Bounds { deadline, ..self.final_bounds(limit) }
+        HullLimits { deadline, ..self.final_bounds(limit) }
     }
 
-    pub fn final_bounds(&self, limit: f64) -> Bounds<'a> {
+    pub fn final_bounds(&self, limit: f64) -> HullLimits<'a> {
         let (max_vertices, diagonal) = (self.max_vertices, self.diagonal());
         let error = self.parameters.max_error.resolve(diagonal);
         let allowed = if self.parameters.max_parts.is_some() { limit } else { limit.min(error.max(self.least())) };
         let thickness = self.parameters.min_thickness.resolve(diagonal).min(0.5 * allowed);
-        Bounds { limit, max_vertices, diagonal, thickness, deadline: self.deadline, stage: self.stage }
+        HullLimits { limit, max_vertices, diagonal, thickness, deadline: self.deadline, stage: self.stage }
     }
 
     /// The final limits of thin parts that were found within `limit`, but may be as thick as the
     /// maximum error allows.
-    pub fn bounds_of_thin_parts(&self, limit: f64) -> Bounds<'a> {
+    pub fn bounds_of_thin_parts(&self, limit: f64) -> HullLimits<'a> {
         let is_counted = self.parameters.max_parts.is_some();
         self.final_bounds(if is_counted {
             limit
@@ -273,13 +273,13 @@ impl<'a> Levels<'a> {
         self.searches += 1;
         let (limit, stage) = (self.limit(level), self.stage.from_to(from, to));
         let limits = PartitionLimits {
-            bounds: Bounds { stage, ..self.bounds(limit) },
+            bounds: HullLimits { stage, ..self.bounds(limit) },
             overlap: self.parameters.overlap,
             useful,
             wanted: self.parameters.max_parts.map_or(1, |count| count as usize),
             peels,
         };
-        let partition::Found { parts, mirrored, fewest, divided } =
+        let partition::Merged { parts, mirrored, fewest, divided } =
             partition::search(self.surface, &mut self.field, &limits)?;
         Some(Found { parts, mirrored, fewest, divided, limit })
     }

@@ -36,7 +36,7 @@ use convex::is_convex;
 use fill::Filling;
 pub use parameters::{Cover, Length};
 use part::SourceVertices;
-use partition::{HARD_SHARE, few, field::Field, wrap::Bounds};
+use partition::{HARD_SHARE, few, field::Field, wrap::HullLimits};
 use search::SymmetrySearch;
 
 use crate::{
@@ -114,7 +114,7 @@ fn filled(
     }
     let diagonal = own.diagonal();
     let limit = parameters.max_error.resolve(diagonal);
-    let bounds = Bounds {
+    let bounds = HullLimits {
         limit,
         max_vertices: (parameters.max_vertices as usize).max(simplify::MIN_VERTICES),
         diagonal,

@@ -128,17 +128,17 @@ pub fn uncovered_triangles(mesh: &PointSet, parts: &[&Hull], limit: f64, deadlin
 }
 
 struct Parts {
-    all: Vec<Part>,
+    all: Vec<PartShape>,
     tree: TriangleTree,
 }
 
 impl Parts {
     fn new(hulls: &[&Hull]) -> Self {
         let bounds = hulls.iter().map(|hull| Bounds::around(&hull.positions()));
-        Self { tree: TriangleTree::of_boxes(bounds), all: hulls.iter().map(|hull| Part::new(hull)).collect() }
+        Self { tree: TriangleTree::of_boxes(bounds), all: hulls.iter().map(|hull| PartShape::new(hull)).collect() }
     }
 
-    fn solids_near(&self, bounds: &Bounds) -> Vec<&Part> {
+    fn solids_near(&self, bounds: &Bounds) -> Vec<&PartShape> {
         let mut near = Vec::new();
         self.tree.for_each(|part| part.touches(bounds), |part| near.push(part));
         near.sort_unstable();
@@ -153,13 +153,13 @@ impl Parts {
     }
 }
 
-struct Part {
+struct PartShape {
     nearest: Nearest,
     planes: Vec<HalfSpace>,
     is_solid: bool,
 }
 
-impl Part {
+impl PartShape {
     fn new(hull: &Hull) -> Self {
         let is_solid = hull.rank == 3;
         let planes = if is_solid { planes::half_spaces(hull) } else { Vec::new() };
@@ -187,7 +187,8 @@ fn left_over(corners: &Triangle, parts: &Parts, diagonal: f64) -> (Vec<Triangle>
     let low = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min) - outside;
     let high = corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) + outside;
     let near = parts.solids_near(&Bounds { low, high });
-    let contains = |part: &&&Part| part.planes.iter().all(|plane| corners.iter().all(|p| plane.height(*p) <= outside));
+    let contains =
+        |part: &&&PartShape| part.planes.iter().all(|plane| corners.iter().all(|p| plane.height(*p) <= outside));
     let mut left = None;
     for whole in near.iter().filter(contains) {
         let distance = whole.farthest(corners);
@@ -209,7 +210,7 @@ fn left_over(corners: &Triangle, parts: &Parts, diagonal: f64) -> (Vec<Triangle>
     left.unwrap_or_else(|| (vec![*corners], 0.0))
 }
 
-fn subtract(corners: &Triangle, parts: &[&Part], tolerance: f64) -> (Vec<Triangle>, f64) {
+fn subtract(corners: &Triangle, parts: &[&PartShape], tolerance: f64) -> (Vec<Triangle>, f64) {
     let mut pieces = vec![corners.to_vec()];
     let mut subtracted = 0.0_f64;
     for part in parts {

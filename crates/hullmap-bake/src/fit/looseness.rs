@@ -94,13 +94,13 @@ fn overlap_of(parts: &Parts) -> (f64, f64) {
 }
 
 struct Parts {
-    all: Vec<Part>,
+    all: Vec<SampledPart>,
     tree: TriangleTree,
 }
 
 impl Parts {
     fn new<'a>(hulls: impl Iterator<Item = &'a Hull>) -> Self {
-        let all: Vec<Part> = hulls.map(Part::new).collect();
+        let all: Vec<SampledPart> = hulls.map(SampledPart::new).collect();
         Self { tree: TriangleTree::of_boxes(all.iter().map(|part| Bounds::around(&part.points))), all }
     }
 
@@ -113,7 +113,7 @@ impl Parts {
     }
 }
 
-struct Part {
+struct SampledPart {
     points: Vec<DVec3>,
     region: Region,
     triangles: Vec<Triangle>,
@@ -121,7 +121,7 @@ struct Part {
     area: f64,
 }
 
-impl Part {
+impl SampledPart {
     fn new(hull: &Hull) -> Self {
         let points = hull.positions();
         let corners = |face: &Vec<u32>| face.iter().map(|v| points[*v as usize]).collect::<Vec<_>>();

@@ -305,7 +305,7 @@ fn edge_planes(triangle: &Triangle) -> Vec<HalfSpace> {
 }
 
 /// A box inside or across the part, and the polygons of the mesh that may enter it.
-struct Cell {
+struct PartBox {
     centre: DVec3,
     half: DVec3,
     /// Indices of polygons; the halves of a box have subsets of its polygons.
@@ -333,7 +333,7 @@ fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum, pea
     let search = CavitySearch { solid, surface: &surface, enough, depth, planes, deep };
     let cells = boxes.into_iter().map(|bounds| search.cell(bounds));
     let accuracy = cavity_accuracy(accuracy, enough, diagonal);
-    let cavity = maximum(cells, &accuracy, |cell: &mut Cell, _: f64| search.measure(cell), halves);
+    let cavity = maximum(cells, &accuracy, |cell: &mut PartBox, _: f64| search.measure(cell), halves);
     let measurements = surface.measurements + cavity.measurements;
     if cavity.bound <= enough {
         return Maximum { measurements, ..surface };
@@ -369,14 +369,14 @@ fn cavity_accuracy(accuracy: &Accuracy, enough: f64, diagonal: f64) -> Accuracy 
     }
 }
 
-fn halves(cell: &Cell) -> [Cell; 2] {
+fn halves(cell: &PartBox) -> [PartBox; 2] {
     let axis = (0..3).fold(0, |longest, axis| if cell.half[axis] > cell.half[longest] { axis } else { longest });
     let mut half = cell.half;
     half[axis] *= 0.5;
     [-1.0, 1.0].map(|side| {
         let mut centre = cell.centre;
         centre[axis] += side * half[axis];
-        Cell { centre, half, deep: cell.deep.clone(), within: cell.within + half[axis], hint: cell.hint }
+        PartBox { centre, half, deep: cell.deep.clone(), within: cell.within + half[axis], hint: cell.hint }
     })
 }
 
@@ -393,8 +393,8 @@ struct CavitySearch<'a> {
 }
 
 impl CavitySearch<'_> {
-    fn cell(&self, [low, high]: [DVec3; 2]) -> Cell {
-        Cell {
+    fn cell(&self, [low, high]: [DVec3; 2]) -> PartBox {
+        PartBox {
             centre: (low + high) * 0.5,
             half: (high - low) * 0.5,
             deep: (0..self.deep.len() as u32).collect(),
@@ -403,7 +403,7 @@ impl CavitySearch<'_> {
         }
     }
 
-    fn measure(&self, cell: &mut Cell) -> Measured {
+    fn measure(&self, cell: &mut PartBox) -> Measured {
         let nothing = Measured { bound: 0.0, reached: 0.0, at: cell.centre };
         let Some([below, centre_depth]) = self.depths(cell) else { return nothing };
         let from_surface = self.surface.bound + below;
@@ -439,7 +439,7 @@ impl CavitySearch<'_> {
     }
 
     /// Maximum depth of a point of the cell inside the part, and its centre's; `None` outside.
-    fn depths(&self, cell: &Cell) -> Option<[f64; 2]> {
+    fn depths(&self, cell: &PartBox) -> Option<[f64; 2]> {
         let mut below = f64::INFINITY;
         let mut centre_depth = f64::INFINITY;
         for plane in &self.planes {
@@ -455,7 +455,7 @@ impl CavitySearch<'_> {
     }
 
     /// Whether the deep part of a cell that no polygon enters is inside. `false` may mean unknown.
-    fn is_deep_part_inside(&self, cell: &Cell) -> bool {
+    fn is_deep_part_inside(&self, cell: &PartBox) -> bool {
         match deep_part(cell, &self.planes, self.depth) {
             DeepPart::Empty => true,
             DeepPart::Point(p) => self.solid.is_inside(p),
@@ -465,7 +465,7 @@ impl CavitySearch<'_> {
 
     /// Whether the points of the cell beside all polygons that enter it are inside. `false` may
     /// mean unknown.
-    fn are_polygons_inside(&self, cell: &Cell) -> bool {
+    fn are_polygons_inside(&self, cell: &PartBox) -> bool {
         let sides = box_sides(cell.centre, cell.half);
         let polygons = cell.deep.iter().filter_map(|index| self.deep[*index as usize].0.clipped(&sides));
         let polygons: Vec<Polygon> = polygons.take(MAX_TESTED).collect();
@@ -483,7 +483,7 @@ enum DeepPart {
 /// Searches for a point deeper than `depth` by projection onto violated planes in turn. If there is
 /// none, the steps balance: the mean of these planes, weighted by them, has no point of the cell at
 /// that depth, but a point deep for all planes would be deep for it.
-fn deep_part(cell: &Cell, planes: &[HalfSpace], depth: f64) -> DeepPart {
+fn deep_part(cell: &PartBox, planes: &[HalfSpace], depth: f64) -> DeepPart {
     let mut p = cell.centre;
     let (mut normal, mut offset, mut weight) = (DVec3::ZERO, 0.0, 0.0);
     for _ in 0..DEEP_STEPS {

@@ -55,7 +55,7 @@ struct Parts<'a> {
     diagonal: f64,
 }
 
-struct Cell {
+struct Octant {
     low: DVec3,
     high: DVec3,
     level: u32,
@@ -69,14 +69,14 @@ pub fn remainder(solid: &Solid, parts: &[&Hull]) -> Vec<Remnant> {
     let region = |part: &&Hull| (part.rank == 3).then(|| Region::grown(part, GROWN * diagonal));
     let parts = Parts { solid, regions: parts.iter().map(region).collect(), diagonal };
     let [low, high] = solid.bounds();
-    let mut cells = vec![Cell { low, high, level: 0, near: (0..parts.regions.len() as u32).collect() }];
+    let mut cells = vec![Octant { low, high, level: 0, near: (0..parts.regions.len() as u32).collect() }];
     for _ in 0..FIRST_LEVELS {
-        cells = cells.iter().flat_map(Cell::divided).collect();
+        cells = cells.iter().flat_map(Octant::divided).collect();
     }
     cells.into_par_iter().flat_map_iter(|cell| parts.of_cell(&cell)).collect()
 }
 
-impl Cell {
+impl Octant {
     fn divided(&self) -> impl Iterator<Item = Self> + '_ {
         let middle = 0.5 * (self.low + self.high);
         (0..8).map(move |child| {
@@ -91,7 +91,7 @@ impl Cell {
 }
 
 impl Parts<'_> {
-    fn of_cell(&self, cell: &Cell) -> Vec<Remnant> {
+    fn of_cell(&self, cell: &Octant) -> Vec<Remnant> {
         let (low, high) = (cell.low, cell.high);
         let of_part = |part: u32| Some((part, self.regions[part as usize].as_ref()?));
         let touches = |(_, region): &(u32, &Region)| !region.misses_box(low, high);
@@ -107,7 +107,7 @@ impl Parts<'_> {
         let crossing: usize = regions.iter().map(|region| region.crossing_box(low, high).count()).sum();
         let is_simple = crossing <= FEW_PLANES && !(near.is_empty() && has_surface);
         if cell.level < LEVELS && !is_simple {
-            let own = Cell { near, ..*cell };
+            let own = Octant { near, ..*cell };
             return own.divided().flat_map(|child| self.of_cell(&child)).collect();
         }
         let [least, on_plane] = [LEAST, ON_PLANE].map(|share| share * self.diagonal);

@@ -61,7 +61,7 @@ const LATE_LEVEL: u32 = 4;
 /// Maximum number of cells that are decided by a point when the time is over.
 const LATE_CELLS: usize = 4096;
 
-struct Cell {
+struct Voxel {
     place: [u32; 3],
     parts: Vec<u32>,
 }
@@ -84,12 +84,12 @@ pub fn voids(solid: &Solid, parts: &[&Hull], deadline: Option<Deadline>) -> Void
     }
     let regions: Vec<Region> = parts.iter().filter(|part| part.rank == 3).map(|part| Region::new(part)).collect();
     let [low, high] = solid.bounds();
-    let mut open = vec![Cell { place: [0; 3], parts: (0..regions.len() as u32).collect() }];
+    let mut open = vec![Voxel { place: [0; 3], parts: (0..regions.len() as u32).collect() }];
     let mut volume = 0.0;
     let mut size = high - low;
     for level in 0..=LEVELS {
         size = (high - low) / f64::from(1 << level);
-        let judge = |cell: Cell| {
+        let judge = |cell: Voxel| {
             let is_late = level > LATE_LEVEL && is_over(deadline);
             let judged = if is_late { Judged::Open(cell.parts) } else { judge(solid, &regions, &cell, low, size) };
             (judged, cell.place)
@@ -101,8 +101,8 @@ pub fn voids(solid: &Solid, parts: &[&Hull], deadline: Option<Deadline>) -> Void
             match judged {
                 Judged::Full => {}
                 Judged::Void => volume += size.element_product(),
-                Judged::Open(parts) if is_last => open.push(Cell { place, parts }),
-                Judged::Open(parts) => open.extend((0..8).map(|child| Cell {
+                Judged::Open(parts) if is_last => open.push(Voxel { place, parts }),
+                Judged::Open(parts) => open.extend((0..8).map(|child| Voxel {
                     place: [0, 1, 2].map(|axis| 2 * place[axis] + (child >> axis & 1)),
                     parts: parts.clone(),
                 })),
@@ -113,7 +113,7 @@ pub fn voids(solid: &Solid, parts: &[&Hull], deadline: Option<Deadline>) -> Void
         }
     }
     let stride = if is_over(deadline) { open.len().div_ceil(LATE_CELLS).max(1) } else { 1 };
-    let decided: Vec<&Cell> = open.iter().step_by(stride).collect();
+    let decided: Vec<&Voxel> = open.iter().step_by(stride).collect();
     let empty = decided.par_iter().filter(|cell| is_void(solid, &regions, cell, low, size)).count() as f64;
     let count = decided.len() as f64;
     let cell = size.element_product() * open.len() as f64 / count.max(1.0);
@@ -122,7 +122,7 @@ pub fn voids(solid: &Solid, parts: &[&Hull], deadline: Option<Deadline>) -> Void
     Voids { volume: volume + cell * empty, error: 2.0 * deviation }
 }
 
-fn judge(solid: &Solid, regions: &[Region], cell: &Cell, low: DVec3, size: DVec3) -> Judged {
+fn judge(solid: &Solid, regions: &[Region], cell: &Voxel, low: DVec3, size: DVec3) -> Judged {
     let from = low + DVec3::from_array(cell.place.map(f64::from)) * size;
     let to = from + size;
     let parts: Vec<u32> =
@@ -136,7 +136,7 @@ fn judge(solid: &Solid, regions: &[Region], cell: &Cell, low: DVec3, size: DVec3
     }
 }
 
-fn is_void(solid: &Solid, regions: &[Region], cell: &Cell, low: DVec3, size: DVec3) -> bool {
+fn is_void(solid: &Solid, regions: &[Region], cell: &Voxel, low: DVec3, size: DVec3) -> bool {
     let [x, y, z] = cell.place.map(|place| place as usize);
     let k = x | y << LEVELS | z << (2 * LEVELS);
     let p = low + (DVec3::from_array(cell.place.map(f64::from)) + DVec3::from_array(spread(k))) * size;

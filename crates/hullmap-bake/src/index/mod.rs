@@ -20,7 +20,7 @@ pub mod subdivide;
 use hullmap_format::{
     IndexKind,
     archive::LANES,
-    walk::{self, Branches, Shape},
+    walk::{self, Branches, IndexShape},
 };
 use rayon::prelude::*;
 
@@ -150,14 +150,15 @@ fn fine_leaf(capacity: usize) -> usize {
 
 fn scan(vertices: &[[f32; 3]]) -> Index {
     let encoded = encode::scan(vertices);
-    let shape = Shape { roots: 0, branches: Branches::None, leaf_blocks: 1, block_count: encoded.blocks.len() as u32 };
+    let shape =
+        IndexShape { roots: 0, branches: Branches::None, leaf_blocks: 1, block_count: encoded.blocks.len() as u32 };
     Index { kind: IndexKind::None, cost: shape.scan_cost(), encoded, replaces: None }
 }
 
 fn finish(hull: &Hull, kind: IndexKind, roots: &[Tree]) -> Result<Index, BakeError> {
     let (branches, leaf_blocks) = (kind.branches(), kind.leaf_blocks());
     let encoded = encode::trees(&hull.vertices, roots, branches, leaf_blocks as usize)?;
-    let shape = Shape { roots: roots.len(), branches, leaf_blocks, block_count: encoded.blocks.len() as u32 };
+    let shape = IndexShape { roots: roots.len(), branches, leaf_blocks, block_count: encoded.blocks.len() as u32 };
     let cost = walk::walk(shape, &encoded.slots[..])?;
     Ok(Index { kind, cost, encoded, replaces: None })
 }

@@ -172,7 +172,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Switch,
         default: "false",
         value_name: "BOOL",
-        help: "Move the origin to the centre of the bounds, for far meshes",
+        help: "Move the origin to the centre of the bounds, for meshes far from the origin",
         section: Section::Shape,
         ..OPTION
     },

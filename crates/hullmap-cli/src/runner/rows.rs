@@ -86,7 +86,7 @@ pub struct Row {
     /// Findings to act on, each with its remedy.
     pub warnings: Vec<String>,
     pub error: Option<String>,
-    /// Whether the baker is at fault, and not the mesh. Such a failure is not shared.
+    /// Whether the fault is the baker's, not the mesh's. Such a failure is not shared.
     #[serde(skip)]
     pub is_internal: bool,
 }

@@ -1,5 +1,4 @@
-//! Several queries in flight in one thread: while the memory that one query needs is on its way,
-//! the others compute.
+//! Several queries in flight in one thread: while one query waits for memory, the others compute.
 //!
 //! A look-up in a hull that is in no cache waits for two or three dependent cache misses. One query
 //! needs the answer before it can state its next direction, so it waits for each of them. The

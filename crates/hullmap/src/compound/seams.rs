@@ -76,12 +76,12 @@ const ABOVE: f64 = 2.0;
 /// How far a point is moved towards the middle of its face before that, in units of the seam's
 /// width: contact points are often on an edge of the face, and the point above an edge of an
 /// inclined internal face can be outside the union.
-const INWARD: f64 = 16.0;
+const INTO_FACE: f64 = 16.0;
 
 /// How far a face must be visible to the other body, in units of the seam's width. Behind a sheet
 /// to which it extends, it is not, if the body is at most 32 times farther along the sheet than
 /// above it.
-const SIGHT: f64 = 32.0 * INWARD;
+const SIGHT: f64 = 32.0 * INTO_FACE;
 
 /// How far from the body other triangles may hide a point of it, in units of the prediction: half
 /// the way on which this is tested, and a little more.
@@ -431,7 +431,7 @@ impl<S: Shape + ?Sized> Side<'_, S> {
         self.shape.reduced_feature_within(normal, seam, &mut face);
         let middle = face.corners().iter().map(|c| c.point).sum::<DVec3>() / face.corners().len().max(1) as f64;
         let across = middle - point;
-        let above = point + (across * 0.5).clamp_length_max(INWARD * seam) + normal * (ABOVE * seam);
+        let above = point + (across * 0.5).clamp_length_max(INTO_FACE * seam) + normal * (ABOVE * seam);
         let [above, body] = [above, body].map(|point| place.transform_point(point));
         !union.any_near(above, seam, &mut |near| near.index != part && contains(&near, above, seam))
             && self.is_seen(union, part, above, body, seam)
@@ -561,14 +561,14 @@ impl<A: Shape + ?Sized, B: Shape + ?Sized> PartPair<'_, A, B> {
         if !a_allows {
             let to_a = |normal: DVec3| normal;
             let points = |p: &ManifoldPoint| [p.point_a, p.point_b];
-            let part = Part { own: self.a, other: self.b.shape, other_in_own: b_in_a, seam: self.seam, prediction };
+            let part = Weld { own: self.a, other: self.b.shape, other_in_own: b_in_a, seam: self.seam, prediction };
             let choice = part.choose(manifold, before, points, to_a, update, |trial| self.b_allows(trial));
             self.take(choice, manifold, before, |point| (point, Body::B), to_a, settings)
         } else {
             let a_in_b = b_in_a.inverse();
             let to_a = |normal: DVec3| b_in_a.transform_vector(-normal);
             let points = |p: &ManifoldPoint| [p.local_b, a_in_b.transform_point(p.point_a)];
-            let part = Part { own: self.b, other: self.a.shape, other_in_own: a_in_b, seam: self.seam, prediction };
+            let part = Weld { own: self.b, other: self.a.shape, other_in_own: a_in_b, seam: self.seam, prediction };
             let choice = part.choose(manifold, before, points, to_a, update, |trial| self.a_allows(trial));
             let of_other = |point: DVec3| (b_in_a.transform_point(point), Body::A);
             self.take(choice, manifold, before, of_other, to_a, settings)
@@ -611,9 +611,9 @@ enum Choice {
     Point(DVec3, DVec3),
 }
 
-/// The part whose normal is replaced, and the other body. All points and directions are in the
+/// A part whose normal is replaced, and the other body. All points and directions are in the
 /// frame of the part.
-struct Part<'p, S: ?Sized, T: ?Sized> {
+struct Weld<'p, S: ?Sized, T: ?Sized> {
     own: &'p Side<'p, S>,
     other: &'p T,
     other_in_own: Pose,
@@ -621,7 +621,7 @@ struct Part<'p, S: ?Sized, T: ?Sized> {
     prediction: f64,
 }
 
-impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
+impl<S: Shape + ?Sized, T: Shape + ?Sized> Weld<'_, S, T> {
     /// The replacement of `manifold`. `points` returns a manifold point on the part and on the
     /// other body, `to_a` converts an outward normal to one from A to B in A's frame, and
     /// `other_allows` is the test of the other body's union.

@@ -83,7 +83,7 @@ impl<'p, A: Parts + ?Sized, B: Parts + ?Sized> CandidatePair<'p, A, B> {
         }
     }
 
-    /// Their contact. That with the back of a one-sided triangle is replaced by that with the
+    /// Their contact. A contact with the back of a one-sided triangle becomes the contact with the
     /// half-space behind it.
     pub(super) fn contact(&self, settings: &Settings, cache: &mut Cache) -> Contact {
         let found = queries::contact(&self.a, &self.b, self.b_in_a, settings, cache);

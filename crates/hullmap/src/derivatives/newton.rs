@@ -64,7 +64,7 @@ type Corners = ArrayVec<Corner, 3>;
 
 /// Features that were found, and a point of each.
 #[derive(Default)]
-struct Found {
+struct FacingFeatures {
     corners: Corners,
     points: ArrayVec<DVec3, 3>,
 }
@@ -113,7 +113,7 @@ pub(super) fn are_described<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     is_described(a, normal) && is_described(b, b_in_a.inverse_transform_vector(-normal))
 }
 
-/// The accurate normal and points, near those of an answer, whose normal has at most this error.
+/// The accurate normal and points, near an answer's, whose normal has at most this error.
 /// `None` if there are none, or if a shape has no description of its features.
 #[cold]
 #[inline(never)]
@@ -142,7 +142,7 @@ pub(super) fn refined<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 impl<S: SupportMap + ?Sized> Placed<'_, S> {
     /// Step 1. `None` if the shape does not describe a curved feature.
     fn corners(&self, normal: DVec3) -> Option<Corners> {
-        let mut found = Found::default();
+        let mut found = FacingFeatures::default();
         let (x, y) = (perpendicular(normal), normal.cross(perpendicular(normal)));
         let [p, q, r] = THIRDS.map(|side| self.add(normal + (x * side.x + y * side.y) * self.tilt, &mut found));
         let rim = [p?, q?, r?];
@@ -159,7 +159,7 @@ impl<S: SupportMap + ?Sized> Placed<'_, S> {
     }
 
     /// Adds the feature along a direction, unless it is known, and returns its farthest point.
-    fn add(&self, dir: DVec3, found: &mut Found) -> Option<DVec3> {
+    fn add(&self, dir: DVec3, found: &mut FacingFeatures) -> Option<DVec3> {
         let local = self.rotation.mul_transpose_vec3(dir);
         let support = self.shape.core_support_point(local);
         let point = self.place(support.point);

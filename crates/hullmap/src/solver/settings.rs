@@ -21,7 +21,7 @@ pub struct Settings {
     /// have no effect.
     ///
     /// With 0, [`contact`](crate::contact) stops after portal refinement (MPR), as Kenwright's
-    /// paper does: the depth along the normal of the portal that the centre ray pierces. That is a
+    /// paper does: the depth along the normal of the portal that the centre ray pierces. It is a
     /// true upper bound, and may be far above the depth.
     pub max_iterations: u32,
 }

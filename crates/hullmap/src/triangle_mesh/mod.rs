@@ -1,4 +1,4 @@
-//! Static triangle meshes: levels and terrains, which keep their triangles.
+//! Triangle meshes: static levels, which keep their triangles.
 //!
 //! `hullmap_bake::triangle_mesh` bakes the file. The queries in [`compound`](crate::compound) take
 //! a [`TriangleMesh`]: its parts are its triangles, found by a tree of boxes in the file.

@@ -1,47 +1,71 @@
-//! Comments are narrow enough to read beside the code.
+//! Comments are narrow enough to read beside the code. Sentences start with their subject.
 
 use std::fs;
-use std::path::Path;
-use std::process::Command;
 
+use hullmap_house::tracked;
 use hullmap_outside::files::workspace;
 
 /// Column at which comment lines end.
 const COMMENT_WIDTH: usize = 100;
 
-/// Tracked Rust files, relative to the workspace.
-fn rust_files() -> Vec<String> {
-    let listed = Command::new("git").args(["ls-files", "*.rs"]).current_dir(workspace()).output();
-    let listed = listed.map(|out| String::from_utf8(out.stdout).expect("paths are UTF-8")).unwrap_or_default();
-    listed.lines().filter(|path| workspace().join(path).exists()).map(str::to_owned).collect()
-}
-
 /// Whether a line is a comment of more than [`COMMENT_WIDTH`] columns that could be broken: it has
 /// a space before the limit, and is neither a row of a table nor a line of code in an example.
-fn is_too_wide(line: &str, in_example: bool) -> bool {
+fn is_too_wide(line: &str) -> bool {
     let text = line.trim_start();
     let words = text.trim_start_matches(['/', '!']).trim_start();
-    text.starts_with("//")
-        && !in_example
-        && !words.starts_with('|')
-        && line.chars().count() > COMMENT_WIDTH
-        && words.split_whitespace().nth(1).is_some()
+    !words.starts_with('|') && line.chars().count() > COMMENT_WIDTH && words.split_whitespace().nth(1).is_some()
+}
+
+/// Openings that put the subject last: "Of the faces, the first one counts".
+const OPENINGS: [&str; 3] = ["Of ", "What ", "The same for "];
+
+/// Words that few native speakers print, or that stand for a noun far away.
+const WORDS: [&str; 8] =
+    ["hardly", "sought", "of no use", "so many", "that of", "those of", "for lack of", "was to be found"];
+
+/// The opening or word in a line of prose that is better rewritten.
+fn habit(prose: &str) -> Option<&'static str> {
+    let sentences = || prose.split(". ").map(str::trim_start).filter(|sentence| !sentence.contains('?'));
+    let opens = |opening: &&&str| sentences().any(|sentence| sentence.starts_with(**opening));
+    let words = prose.to_lowercase().replace(|c: char| !c.is_alphanumeric(), " ");
+    let has = |word: &&&str| format!(" {words} ").contains(&format!(" {word} "));
+    OPENINGS.iter().find(opens).or_else(|| WORDS.iter().find(has)).copied()
+}
+
+/// Lines of tracked files that end so, outside of code blocks. Case files quote output.
+fn lines(ending: &str) -> Vec<(String, String)> {
+    let files = tracked().into_iter().filter(|file| file.ends_with(ending) && !file.starts_with("tests/cases/"));
+    let mut found = Vec::new();
+    for file in files {
+        let text = fs::read_to_string(workspace().join(&file)).expect("a tracked file can be read");
+        let mut in_example = false;
+        for (index, line) in text.lines().enumerate() {
+            let is_prose = ending == ".md" || line.trim_start().starts_with("//");
+            in_example ^= is_prose && line.contains("```");
+            if is_prose && !in_example {
+                found.push((format!("{file}:{}", index + 1), line.to_owned()));
+            }
+        }
+    }
+    assert!(found.len() > 5_000 || !workspace().join(".git").exists(), "{} lines", found.len());
+    found
 }
 
 #[test]
 fn comment_lines_end_at_column_100() {
-    let files = rust_files();
-    assert!(files.len() > 150 || !workspace().join(".git").exists(), "{} files", files.len());
-    let mut wide = Vec::new();
-    for file in &files {
-        let text = fs::read_to_string(workspace().join(Path::new(file))).expect("a tracked file can be read");
-        let mut in_example = false;
-        for (index, line) in text.lines().enumerate() {
-            in_example ^= line.trim_start().starts_with("//") && line.contains("```");
-            if is_too_wide(line, in_example) {
-                wide.push(format!("{file}:{}", index + 1));
-            }
-        }
-    }
+    let wide: Vec<_> = lines(".rs").into_iter().filter(|(_, line)| is_too_wide(line)).map(|(at, _)| at).collect();
     assert!(wide.is_empty(), "{} comment lines go past column {COMMENT_WIDTH}: {wide:#?}", wide.len());
+}
+
+#[test]
+fn sentences_start_with_their_subject() {
+    let prose = lines(".rs").into_iter().chain(lines(".md")).filter_map(|(at, line)| {
+        let text = line.trim_start().trim_start_matches(['/', '!', '-', '|']).trim_start();
+        Some(format!("{at}: {}", habit(text)?))
+    });
+    let found: Vec<_> = prose.collect();
+    assert!(found.is_empty(), "rewrite these sentences: {found:#?}");
+    assert_eq!(habit("A face. Of these, one counts."), Some("Of "));
+    assert_eq!(habit("It differs from that of B."), Some("that of"));
+    assert_eq!([habit("What is B?"), habit("The index of A")], [None, None]);
 }

@@ -243,7 +243,7 @@ pub struct Cutting<'a> {
     /// Maximum distance of a cell's hull from the solid, as far as samples show.
     pub limit: f64,
     /// The limits of a cell's hull that are proven, and when to stop.
-    pub hard: wrap::Bounds<'a>,
+    pub hard: wrap::HullLimits<'a>,
     /// Number of cells above which only what protrudes beyond `hard` is cut.
     pub max_cells: usize,
 }

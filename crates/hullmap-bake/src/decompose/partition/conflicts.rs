@@ -168,7 +168,7 @@ mod tests {
     use crate::{
         PointSet,
         decompose::{
-            partition::{PartitionLimits, cells::FacePlanes, piece::Atom, search, wrap::Bounds},
+            partition::{PartitionLimits, cells::FacePlanes, piece::Atom, search, wrap::HullLimits},
             patch::Patch,
             tests::point_set,
         },
@@ -177,9 +177,9 @@ mod tests {
         symmetry,
     };
 
-    fn bounds(share: f64, solid: &Solid) -> Bounds<'static> {
+    fn bounds(share: f64, solid: &Solid) -> HullLimits<'static> {
         let (diagonal, stage) = (solid.diagonal(), Stage::default());
-        Bounds { limit: share * diagonal, max_vertices: 64, diagonal, thickness: 0.0, deadline: None, stage }
+        HullLimits { limit: share * diagonal, max_vertices: 64, diagonal, thickness: 0.0, deadline: None, stage }
     }
 
     fn all_needed(mesh: &PointSet, share: f64) -> Vec<usize> {

@@ -10,7 +10,7 @@ use super::{
     piece::{Piece, Scale},
     sample::spread_points,
     shape::{self, Part},
-    wrap::Bounds,
+    wrap::HullLimits,
 };
 use crate::spread::spread;
 
@@ -35,7 +35,7 @@ pub struct PartitionSearch<'a> {
     /// Planes of faces that may divide pieces.
     pub planes: &'a FacePlanes,
     /// Limits of hulls.
-    pub bounds: Bounds<'a>,
+    pub bounds: HullLimits<'a>,
     /// Number of parts above which a result is unusable.
     pub enough: usize,
     /// Whether pieces are also peeled, which may give fewer parts.

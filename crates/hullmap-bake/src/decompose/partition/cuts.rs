@@ -241,7 +241,7 @@ pub mod tests {
     use super::*;
     use crate::{
         decompose::{
-            partition::{field::Field, piece::Atom, surface::Surface, wrap::Bounds},
+            partition::{field::Field, piece::Atom, surface::Surface, wrap::HullLimits},
             patch::Patch,
             tests::point_set,
         },
@@ -274,7 +274,7 @@ pub mod tests {
         let (solid, surface) = (Solid::new(&mesh), Surface::new(&mesh));
         let (diagonal, limit) = (solid.diagonal(), share * solid.diagonal());
         let bounds =
-            Bounds { limit, max_vertices: 64, diagonal, thickness: 0.0, deadline: None, stage: Stage::default() };
+            HullLimits { limit, max_vertices: 64, diagonal, thickness: 0.0, deadline: None, stage: Stage::default() };
         let (field, scale) = (Field::new(&solid), Scale { limit, diagonal });
         let planes = FacePlanes::new(&surface.triangles, diagonal);
         let search = PartitionSearch { field: &field, scale, planes: &planes, bounds, enough: usize::MAX, peels: true };

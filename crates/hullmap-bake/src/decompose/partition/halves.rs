@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::{
     body::Body,
     context::PartitionSearch,
-    join::{self, Found, Overlap},
+    join::{self, Merged, Overlap},
     piece::Piece,
     shape::Part,
 };
@@ -50,12 +50,12 @@ struct Merger {
 /// One hull for each pair of parts, including merged parts.
 pub fn merge(
     search: &PartitionSearch,
-    found: Found,
+    found: Merged,
     mirror: &Mirror,
     forbidden: &mut Vec<DVec3>,
     overlap: f64,
     wanted: usize,
-) -> Found {
+) -> Merged {
     let divided = found.divided;
     let image = |part: &Part| Some(search.scale.body(&images(&part.piece.body, mirror)));
     let mut units: Vec<Option<Unit>> =
@@ -105,10 +105,10 @@ pub fn merge(
     result(enough.unwrap_or(units), count, divided)
 }
 
-fn result(units: Vec<Option<Unit>>, fewest: usize, divided: usize) -> Found {
+fn result(units: Vec<Option<Unit>>, fewest: usize, divided: usize) -> Merged {
     let (own, whole): (Vec<Unit>, Vec<Unit>) = units.into_iter().flatten().partition(|unit| unit.image.is_some());
     let parts = |units: Vec<Unit>| units.into_iter().map(|unit| unit.part).collect();
-    Found { parts: parts(whole), mirrored: parts(own), fewest, divided }
+    Merged { parts: parts(whole), mirrored: parts(own), fewest, divided }
 }
 
 fn images(body: &Body, mirror: &Mirror) -> Vec<DVec3> {

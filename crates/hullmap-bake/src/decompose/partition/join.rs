@@ -33,7 +33,7 @@ const FREE: f64 = 1e-4;
 
 /// Merged parts.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct Merged {
     /// The parts: at least the wanted number, unless free mergers, or no mergers, leave fewer.
     pub parts: Vec<Part>,
     /// Parts that also stand for their mirror images.
@@ -60,13 +60,13 @@ pub fn merge(
     forbidden: &mut Vec<DVec3>,
     overlap: f64,
     wanted: usize,
-) -> Found {
+) -> Merged {
     let scale = &search.scale;
     let mut left: Vec<Option<Part>> = parts.into_iter().map(Some).collect();
     if left.len() > MANY {
         let count = left.len();
         let parts = left.into_iter().flatten().collect();
-        return Found { parts, mirrored: Vec::new(), fewest: count, divided: count };
+        return Merged { parts, mirrored: Vec::new(), fewest: count, divided: count };
     }
     let divided = left.len();
     let (mut count, mut enough) = (divided, None);
@@ -114,7 +114,7 @@ pub fn merge(
         }
     }
     let parts = enough.unwrap_or(left).into_iter().flatten().collect();
-    Found { parts, mirrored: Vec::new(), fewest: count, divided }
+    Merged { parts, mirrored: Vec::new(), fewest: count, divided }
 }
 
 /// Whether a merger adds next to no volume to its parts.

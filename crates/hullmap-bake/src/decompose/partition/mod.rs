@@ -54,12 +54,12 @@ use conflicts::Conflicts;
 pub use conflicts::Samples;
 use context::PartitionSearch;
 use field::Field;
-pub use join::Found;
+pub use join::Merged;
 use peel::Along;
 use piece::{Atom, Piece, Scale};
 pub use shape::Part;
 use surface::Surface;
-use wrap::Bounds;
+use wrap::HullLimits;
 
 use crate::{decompose::patch::Patch, progress::Stage};
 
@@ -87,7 +87,7 @@ const STAGES: [f64; 2] = [0.1, 0.95];
 #[derive(Clone, Copy, Debug)]
 pub struct PartitionLimits<'a> {
     /// Limits of a part.
-    pub bounds: Bounds<'a>,
+    pub bounds: HullLimits<'a>,
     /// Sum of the volumes of parts, less the volume of their union, up to which they are merged;
     /// relative to the latter.
     pub overlap: f64,
@@ -113,14 +113,14 @@ pub struct Useful {
 /// Without a deadline, the result depends on the surface and the limits only. In the worst case,
 /// each polygon becomes a part, thickened. After the deadline, undivided pieces become parts with
 /// infinite bounds. `None` without cells, or with too many parts before mergers.
-pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) -> Option<Found> {
+pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) -> Option<Merged> {
     let triangles = &surface.triangles;
     field.find_peaks(limits.bounds.limit * HARD_SHARE, limits.bounds.deadline);
     let field = &*field;
     let diagonal = field.solid().diagonal();
     let PartitionLimits { bounds, overlap, useful, wanted, peels } = *limits;
     let (limit, stage) = (bounds.limit, bounds.stage);
-    let hard = Bounds { limit: limit * HARD_SHARE, max_vertices: usize::MAX, thickness: 0.0, ..bounds };
+    let hard = HullLimits { limit: limit * HARD_SHARE, max_vertices: usize::MAX, thickness: 0.0, ..bounds };
     let cutting = Cutting { limit: limit * CELL_SHARE, hard, max_cells: MAX_CELLS };
     let cells::Cells { cells, planes } = cells::cells(triangles, field, &cutting)?;
     stage.reach(STAGES[0]);
@@ -151,7 +151,7 @@ pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) ->
 pub fn divided_further(
     surface: &Surface,
     field: &mut Field,
-    bounds: Bounds,
+    bounds: HullLimits,
     parts: Vec<Part>,
     count: usize,
 ) -> Vec<Part> {
@@ -182,7 +182,7 @@ pub fn divided_further(
 
 /// At most `count` parts with unknown bounds, for about the time of the mesh's hull: the surface is
 /// halved in the middle of its longest side.
-pub fn halved(surface: &Surface, bounds: &Bounds, count: usize) -> Vec<Part> {
+pub fn halved(surface: &Surface, bounds: &HullLimits, count: usize) -> Vec<Part> {
     let scale = Scale { limit: bounds.limit, diagonal: bounds.diagonal };
     let polygons = surface.triangles.iter().map(|triangle| triangle.to_vec()).collect();
     let atoms = Patch::new(polygons).map(|patch| vec![Arc::new(Atom::new(patch))]);
@@ -317,7 +317,7 @@ fn peeled(search: &PartitionSearch, piece: &Piece, best: Vec<Part>, needed: usiz
 
 /// One part for each polygon, none of which protrudes.
 fn of_polygons(search: &PartitionSearch, piece: &Piece) -> Vec<Part> {
-    let Bounds { diagonal, max_vertices, .. } = search.bounds;
+    let HullLimits { diagonal, max_vertices, .. } = search.bounds;
     let polygons = piece.atoms.iter().flat_map(|atom| &atom.patch.polygons);
     let thin = polygons.flat_map(|polygon| wrap::of_polygon(polygon, diagonal, search.bounds.thickness, max_vertices));
     thin.filter_map(|(polygon, hull)| {

@@ -20,7 +20,7 @@ use super::{
     few,
     field::Field,
     piece::Piece,
-    wrap::{self, Bounds},
+    wrap::{self, HullLimits},
 };
 use crate::{
     fit::planes::{self, HalfSpace},
@@ -75,7 +75,7 @@ pub struct Part {
 pub type Outcome = Result<(Hull, f64), Option<DVec3>>;
 
 /// A hull of a body's points that is proven to be within the limit.
-pub fn shaped(field: &Field, body: &Body, bounds: &Bounds) -> Outcome {
+pub fn shaped(field: &Field, body: &Body, bounds: &HullLimits) -> Outcome {
     let Some(tight) = wrap::tight(&body.points, bounds.diagonal, bounds.thickness) else { return Err(None) };
     if bounds.is_over() {
         return Ok((few::quickly_within_vertices(tight, bounds.max_vertices), f64::INFINITY));
@@ -110,7 +110,7 @@ pub fn shaped(field: &Field, body: &Body, bounds: &Bounds) -> Outcome {
 
 /// A tight hull of a part, or the hull that the part has, for instance when the time is over.
 /// `sides` are planes of large faces of the mesh's hull.
-pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &Bounds) -> Hull {
+pub fn tightened(field: &Field, part: &Part, sides: &[HalfSpace], bounds: &HullLimits) -> Hull {
     let body = &part.piece.body;
     let tight = wrap::tight(&body.points, bounds.diagonal, bounds.thickness);
     let Some(tight) = tight.filter(|_| !bounds.is_over()) else { return part.hull.clone() };
@@ -150,7 +150,7 @@ fn volume(hull: &Hull) -> f64 {
 
 /// Whether a hull is larger than its body moved outward by the limit, by Steiner's formula. It then
 /// extends into the solid, where it may overlap other parts.
-fn is_swollen(hull: &Hull, body: &Body, Bounds { limit, .. }: &Bounds) -> bool {
+fn is_swollen(hull: &Hull, body: &Body, HullLimits { limit, .. }: &HullLimits) -> bool {
     let area: f64 = body.areas.iter().sum();
     // The mean width is at most the diagonal.
     let around = limit * (area + TAU * limit * (body.diagonal() + 2.0 / 3.0 * limit));
@@ -167,7 +167,7 @@ struct Cuts<'a> {
     body: &'a Body,
     /// Planes that no hull shall exceed.
     flat: &'a [HalfSpace],
-    bounds: &'a Bounds<'a>,
+    bounds: &'a HullLimits<'a>,
 }
 
 impl Cuts<'_> {
@@ -181,7 +181,7 @@ impl Cuts<'_> {
         let simple = self.allowed(tight).map(|hull| self.flattened(hull));
         let cut_further = |share: &f64| {
             let max_vertices = (share * self.bounds.max_vertices as f64) as usize;
-            let bounds = Bounds { max_vertices, ..*self.bounds };
+            let bounds = HullLimits { max_vertices, ..*self.bounds };
             self.allowed(&Cuts { bounds: &bounds, ..*self }.filled(proven.clone()))
         };
         let mut found: Vec<Hull> = simple.into_iter().chain(CUT.iter().filter_map(cut_further)).collect();

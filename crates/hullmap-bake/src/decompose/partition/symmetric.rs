@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::{
     field::Field,
     piece::ON_PLANE,
-    wrap::{self, Bounds},
+    wrap::{self, HullLimits},
 };
 use crate::{
     fit::planes::{self, HalfSpace},
@@ -22,7 +22,7 @@ const MAX_GROWTH: f64 = 1e-3;
 
 /// A symmetric hull around the piece that `hull` contains, which is its own mirror image, proven to
 /// be within the limits; `None` if there is none. The smaller one of both sides' is taken.
-pub fn symmetric(field: &Field, hull: &Hull, mirror: &Mirror, bounds: &Bounds) -> Option<Hull> {
+pub fn symmetric(field: &Field, hull: &Hull, mirror: &Mirror, bounds: &HullLimits) -> Option<Hull> {
     let of_side = |sign: f64| {
         let half = half(hull, mirror, sign, bounds.diagonal);
         let both: Vec<DVec3> = half.iter().copied().chain(half.iter().map(|p| mirror.image(*p))).collect();

@@ -8,7 +8,7 @@ use crate::{PointSet, hull::Hull};
 
 fn limits(limit: f64, solid: &Solid) -> PartitionLimits<'static> {
     let (thickness, diagonal, stage) = (0.5 * limit, solid.diagonal(), Stage::default());
-    let bounds = Bounds { limit, max_vertices: 64, diagonal, thickness, deadline: None, stage };
+    let bounds = HullLimits { limit, max_vertices: 64, diagonal, thickness, deadline: None, stage };
     PartitionLimits { bounds, overlap: 0.05, useful: None, wanted: 1, peels: true }
 }
 

@@ -67,7 +67,7 @@ const HELD_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Limits of a hull.
 #[derive(Clone, Copy, Debug)]
-pub struct Bounds<'a> {
+pub struct HullLimits<'a> {
     /// Maximum distance from the solid.
     pub limit: f64,
     /// Maximum number of vertices.
@@ -82,7 +82,7 @@ pub struct Bounds<'a> {
     pub stage: Stage<'a>,
 }
 
-impl Bounds<'_> {
+impl HullLimits<'_> {
     /// Whether the deadline has passed, or the search is cancelled.
     pub fn is_over(&self) -> bool {
         self.stage.is_cancelled() || deadline::is_over(self.deadline)
@@ -93,7 +93,7 @@ impl Bounds<'_> {
 ///
 /// # Errors
 /// A point of the hull that is too far from the solid; `None` if undecided.
-pub fn prove(field: &Field, hull: &Hull, bounds: &Bounds, measurements: usize) -> Result<f64, Option<DVec3>> {
+pub fn prove(field: &Field, hull: &Hull, bounds: &HullLimits, measurements: usize) -> Result<f64, Option<DVec3>> {
     let usual = Accuracy::decide(bounds.limit);
     let measurements = measurements.min(usual.measurements);
     let accuracy = Accuracy { measurements, deadline: bounds.deadline, ..usual };
@@ -172,7 +172,7 @@ pub fn tight(points: &[DVec3], diagonal: f64, thickness: f64) -> Option<Hull> {
 
 /// A hull around a hull, at least as thick as the bounds require; or the hull itself, if the
 /// thicker one is not proven to be within the limit.
-pub fn thick(field: &Field, hull: Hull, bounds: &Bounds) -> Hull {
+pub fn thick(field: &Field, hull: Hull, bounds: &HullLimits) -> Hull {
     let points = hull.positions();
     if thinnest(&points).1 >= 0.99 * bounds.thickness {
         return hull;
@@ -201,7 +201,7 @@ fn around(p: DVec3) -> Vec<[f32; 3]> {
 ///
 /// # Errors
 /// A point of the body that may be too far from the solid; `None` if no such hull was found.
-pub fn wrap(field: &Field, body: &Body, bounds: &Bounds) -> Result<(Hull, f64), Option<DVec3>> {
+pub fn wrap(field: &Field, body: &Body, bounds: &HullLimits) -> Result<(Hull, f64), Option<DVec3>> {
     let middle = body.points.iter().sum::<DVec3>() / body.points.len().max(1) as f64;
     let greatest = body.low.abs().max(body.high.abs()).max_element() + bounds.limit;
     let room = (1e-3 * bounds.limit).clamp(3e-7 * bounds.diagonal, 2e-6 * bounds.diagonal) + 2.0 * ROUNDING * greatest;
@@ -263,7 +263,7 @@ pub fn wrap(field: &Field, body: &Body, bounds: &Bounds) -> Result<(Hull, f64), 
 pub fn simplified(
     field: &Field,
     hull: &Hull,
-    bounds: &Bounds,
+    bounds: &HullLimits,
     max_vertices: usize,
 ) -> Result<(Hull, f64), Option<DVec3>> {
     let most = ((MANY * max_vertices as f64) as usize).max(FEW);
@@ -329,7 +329,7 @@ pub fn polytope(planes: &[HalfSpace], middle: DVec3, reach: f64, distance: f64) 
 struct Faces<'a> {
     field: &'a Field<'a>,
     body: &'a Body,
-    bounds: &'a Bounds<'a>,
+    bounds: &'a HullLimits<'a>,
     middle: DVec3,
     room: f64,
     refuted: Vec<DVec3>,
@@ -454,7 +454,7 @@ mod tests {
         let result = |limit: f64| {
             let (max_vertices, diagonal) = (64, solid.diagonal());
             let bounds =
-                Bounds { limit, max_vertices, diagonal, thickness: 0.2, deadline: None, stage: Stage::default() };
+                HullLimits { limit, max_vertices, diagonal, thickness: 0.2, deadline: None, stage: Stage::default() };
             let found = thick(&field, plate.clone(), &bounds);
             assert!(prove(&field, &found, &bounds, MEASUREMENTS).is_ok());
             thinnest(&found.positions()).1

@@ -5,7 +5,7 @@ use hullmap_format::{IndexKind, archive::LANES, node::Words};
 
 use super::arcs::Piece;
 use super::proof::{LIMIT, Proof, Unproven};
-use super::region::{self, Cell, Part};
+use super::region::{self, Cell, Outline};
 use crate::hull::Hull;
 
 /// Length from which a spike of a region beyond its core is treated as a sliver.
@@ -130,7 +130,7 @@ impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {
 
     /// Bound on the regret of these candidates in a region whose core is exact, relative to the
     /// diameter. Spikes beyond the core are cut off and treated as slivers.
-    fn beyond_core(&self, candidates: &[u32], cell: &Cell, part: &Part) -> f64 {
+    fn beyond_core(&self, candidates: &[u32], cell: &Cell, part: &Outline) -> f64 {
         if part.core.is_empty() {
             return self.sliver(candidates, cell, &part.reach);
         }

@@ -38,7 +38,7 @@ impl Margin {
 pub type Polygon = Vec<[f64; 2]>;
 
 #[derive(Clone, Debug)]
-pub struct Part {
+pub struct Outline {
     /// Where all support vertices must be listed.
     pub core: Polygon,
     /// Contains all directions that lead to the region, and the core.
@@ -52,7 +52,7 @@ pub struct Cell {
     /// Lower and upper corner of the square, widened.
     pub square: [[f64; 2]; 2],
     /// Below planes or fans, the part of the square that they leave.
-    pub part: Option<Part>,
+    pub part: Option<Outline>,
     /// Below a fan, the step of the innermost one.
     pub turn: Option<Turn>,
 }
@@ -76,11 +76,11 @@ impl Cell {
         }
     }
 
-    pub fn to_part(&self) -> Part {
+    pub fn to_part(&self) -> Outline {
         self.part.clone().unwrap_or_else(|| {
             let [low, high] = self.square;
             let square = vec![low, [high[0], low[1]], high, [low[0], high[1]]];
-            Part { core: square.clone(), reach: square }
+            Outline { core: square.clone(), reach: square }
         })
     }
 }
@@ -105,7 +105,7 @@ impl Line {
     }
 }
 
-impl Part {
+impl Outline {
     /// The part in front of a plane; `None` if no direction leads there.
     pub fn clip(&self, line: Line, margin: Margin) -> Option<Self> {
         let reach = clip(&self.reach, |p| line.height(p) + margin.reach);

@@ -73,7 +73,7 @@ pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (mut exit, mut is_nothing) = (Exit::Done, true);
     let mut taken: HashMap<String, PathBuf> = HashMap::new();
     for place in find_packs(&args.packs)? {
-        // A folder may hold levels and terrains as well.
+        // A folder may hold levels, too.
         let kind = kind_by_name(&place.path).unwrap_or(FileKind::Pack);
         if !args.packs.contains(&place.path)
             && let Some(remedy) = export.unfit(kind)

@@ -1,7 +1,7 @@
 //! `bake robot`: replaces the collision meshes of robot descriptions by hulls.
 //!
 //! 1. `hullmap_robot` reads each description, and finds its meshes.
-//! 2. [`choice`] decides what becomes of each collision. Equal meshes with equal options are one
+//! 2. [`choice`] decides what happens to each collision. Equal meshes with equal options are one
 //!    job, whatever their scales: the description keeps its scales.
 //! 3. [`runner`](crate::runner) bakes the jobs of all descriptions, as `bake build` does.
 //! 4. The hulls are written as OBJ files beside the packs, and the description last, so that it

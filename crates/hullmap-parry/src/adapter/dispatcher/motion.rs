@@ -43,13 +43,13 @@ const BALLS: u32 = 16;
 /// Allowance for rounding when the path lengths of two pieces are compared, relative to them.
 const SLACK: f64 = 1e-9;
 
-enum Body<'s> {
+enum MovingBody<'s> {
     Pieces(Vec<Piece<'s>>),
     Surface(&'s BakedSurface),
     Plane(HalfSpace),
 }
 
-impl<'s> Body<'s> {
+impl<'s> MovingBody<'s> {
     /// `None` for a shape that hullmap does not solve.
     fn from_shape(shape: &'s dyn Shape) -> Option<Self> {
         if let Some(surface) = shape.as_shape::<BakedSurface>() {
@@ -73,12 +73,12 @@ pub(super) fn cast(
     let new = |motions| Cast::new(dispatcher, motions, window, stop_at_penetration);
     let swapped = |found: Option<ShapeCastHit>| found.map(ShapeCastHit::swapped);
     let (in_order, flipped) = ([motion1, motion2], [motion2, motion1]);
-    match (Body::from_shape(shape1)?, Body::from_shape(shape2)?) {
-        (Body::Pieces(a), Body::Pieces(b)) => new(in_order)?.of_pieces(&a, &b),
-        (Body::Surface(a), Body::Pieces(b)) => new(in_order)?.of_surface(a, &b),
-        (Body::Plane(a), Body::Pieces(b)) => new(in_order)?.of_plane(&a, &b),
-        (Body::Pieces(b), Body::Surface(a)) => new(flipped)?.of_surface(a, &b).map(swapped),
-        (Body::Pieces(b), Body::Plane(a)) => new(flipped)?.of_plane(&a, &b).map(swapped),
+    match (MovingBody::from_shape(shape1)?, MovingBody::from_shape(shape2)?) {
+        (MovingBody::Pieces(a), MovingBody::Pieces(b)) => new(in_order)?.of_pieces(&a, &b),
+        (MovingBody::Surface(a), MovingBody::Pieces(b)) => new(in_order)?.of_surface(a, &b),
+        (MovingBody::Plane(a), MovingBody::Pieces(b)) => new(in_order)?.of_plane(&a, &b),
+        (MovingBody::Pieces(b), MovingBody::Surface(a)) => new(flipped)?.of_surface(a, &b).map(swapped),
+        (MovingBody::Pieces(b), MovingBody::Plane(a)) => new(flipped)?.of_plane(&a, &b).map(swapped),
         _ => None,
     }
 }

@@ -14,7 +14,7 @@ use crate::manifold::select::{Rest, Spot};
 
 /// Share by which a place is moved towards the middle of the chosen points: a point between two
 /// corners is often beside their edge, but for rounding or a slight ear.
-const INWARD: f64 = 0.01;
+const TOWARDS_MIDDLE: f64 = 0.01;
 
 /// How far `point` is below the envelope of the chosen points: `polygon` has the corners of their
 /// convex hull, in order, and `others` are between them. 0 if that is at most `slight`, and if the
@@ -29,7 +29,7 @@ pub(super) fn below(point: Spot, [polygon, others]: [&[usize]; 2], spot: impl Fn
         [first, last] => between([spot(*first), spot(*last)], chosen.map(spot), point.at),
         corners => {
             let middle = corners.iter().map(|corner| spot(*corner).at).sum::<DVec2>() / corners.len() as f64;
-            let at = point.at.lerp(middle, INWARD);
+            let at = point.at.lerp(middle, TOWARDS_MIDDLE);
             let Some(triangle) = Rest::over(corners, spot, at) else { return 0.0 };
             if point.depth - triangle.depth(at) <= slight {
                 return 0.0;
@@ -48,7 +48,7 @@ fn between([first, last]: [Spot; 2], chosen: impl Iterator<Item = Spot> + Clone,
     let own = share(at);
     let aside = (at - first.at).perp_dot(along).abs() / along.length_squared();
     // NaN takes the failing branch.
-    if !(aside <= INWARD && (0.0..=1.0).contains(&own)) {
+    if !(aside <= TOWARDS_MIDDLE && (0.0..=1.0).contains(&own)) {
         return None;
     }
     let mut depth = f64::NEG_INFINITY;
