@@ -12,10 +12,6 @@ use clap::{Arg, Command};
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/COMMAND.md");
 const END: &str = "<!-- end -->\n";
 
-fn start(name: &str) -> String {
-    format!("<!-- bake {name}: made by args/reference.rs -->\n")
-}
-
 /// An argument as it is typed: `--max-vertices N`, `INPUT`.
 fn typed(arg: &Arg) -> String {
     let names = arg.get_value_names().unwrap_or_default().join(" ");
@@ -49,8 +45,8 @@ fn block(own: &Command, build: &Command) -> String {
     };
     let shown = own.get_arguments().filter(|arg| !arg.is_hide_set() && arg.get_id() != "help");
     let (repeated, listed): (Vec<_>, Vec<_>) = shown.partition(|arg| is_repeated(arg));
+    // As in the help: arguments without a heading come first, then headings as they appear.
     let mut headings: Vec<_> = listed.iter().map(|arg| arg.get_help_heading()).collect();
-    // As in the help: arguments without a heading come first.
     headings.sort_by_key(Option::is_some);
     let mut seen = HashSet::new();
     headings.retain(|heading| seen.insert(*heading));
@@ -61,20 +57,17 @@ fn block(own: &Command, build: &Command) -> String {
         }
     }
     // A heading stands for its flags if all of them are repeated.
-    let is_whole = |heading: Option<&str>| {
-        let of_build = build.get_arguments().filter(|arg| arg.get_help_heading() == heading);
-        heading.is_some() && of_build.count() == repeated.iter().filter(|arg| arg.get_help_heading() == heading).count()
-    };
-    let mut names: Vec<String> = Vec::new();
-    for arg in &repeated {
-        let name = match arg.get_help_heading() {
-            Some(heading) if is_whole(Some(heading)) => format!("all of *{heading}*"),
+    let count = |args: &[&Arg], heading| args.iter().filter(|arg| arg.get_help_heading() == Some(heading)).count();
+    let all: Vec<_> = build.get_arguments().collect();
+    let mut names: Vec<_> = repeated
+        .iter()
+        .map(|arg| match arg.get_help_heading() {
+            Some(heading) if count(&all, heading) == count(&repeated, heading) => format!("all of *{heading}*"),
             _ => format!("`--{}`", arg.get_long().unwrap_or_default()),
-        };
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
+        })
+        .collect();
+    let mut seen = HashSet::new();
+    names.retain(|name| seen.insert(name.clone()));
     if !names.is_empty() {
         text += &format!("\nAs for [bake build](#bake-build): {}.\n", names.join(", "));
     }
@@ -89,7 +82,7 @@ fn the_page_has_the_flags_of_the_command() {
     let page = fs::read_to_string(PAGE).unwrap();
     let mut made = page.clone();
     for own in command.get_subcommands() {
-        let mark = start(own.get_name());
+        let mark = format!("<!-- bake {}: made by args/reference.rs -->\n", own.get_name());
         let (before, rest) = made.split_once(&mark).unwrap_or_else(|| panic!("docs/COMMAND.md lacks {mark}"));
         let (_, after) = rest.split_once(END).unwrap();
         made = format!("{before}{mark}{}{END}{after}", block(own, build));

@@ -58,12 +58,10 @@ fn every_example_is_run() {
                 (*tested, *by_language) == (document, language) && read(test).contains(&*name)
             })
     };
-    let mut files = Vec::new();
-    documents(&workspace(), &mut files);
     let (mut count, mut missing) = (0, Vec::new());
-    for file in &files {
-        let document = file.strip_prefix(workspace()).unwrap_or(file).to_string_lossy().into_owned();
-        for (language, headings) in blocks(&fs::read_to_string(file).unwrap()) {
+    for file in documents() {
+        let document = file.strip_prefix(workspace()).unwrap_or(&file).to_string_lossy().into_owned();
+        for (language, headings) in blocks(&fs::read_to_string(&file).unwrap()) {
             count += 1;
             if !is_tested(&document, &language) && !headings.iter().any(|heading| is_followed(&document, heading)) {
                 missing.push(format!("{document}: {language} under {headings:?}"));
@@ -71,7 +69,7 @@ fn every_example_is_run() {
         }
     }
     assert!(missing.is_empty(), "nothing runs these examples:\n{}", missing.join("\n"));
-    assert!(count > 50, "{count} examples");
+    assert!(count > 50 || !workspace().join(".git").exists(), "{count} examples");
 }
 
 #[test]
