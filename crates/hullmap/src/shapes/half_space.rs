@@ -323,7 +323,7 @@ impl HalfSpace {
             normal: self.normal,
             iterations: 1,
             support_calls: 1,
-            part: 0,
+            ..SignedDistance::default()
         })
     }
 }
