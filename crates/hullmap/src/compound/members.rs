@@ -53,16 +53,6 @@ impl<'a> Compound<'a> {
     ///
     /// # Complexity
     /// O(number of hulls).
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-    /// # fn main() {
-    /// # let pack = two_cubes();
-    /// let both = hullmap::Compound::new(&pack);
-    /// assert!((both.mass_properties(1000.0).mass - 2000.0).abs() < 1e-9);
-    /// # }
-    /// ```
     pub fn mass_properties(&self, density: f64) -> MassProperties {
         match self.members {
             Members::Pack(pack) => pack.mass_properties(density),

@@ -178,25 +178,6 @@ impl Pack {
     /// # Complexity
     /// One read and one pass over the file. Besides the copy, memory for the widest level of a
     /// hull's direction index, a few times that level's words.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// # let folder = tempfile::tempdir()?;
-    /// # let path = folder.path().join("rock.hullmap");
-    /// # std::fs::write(&path, rock_and_cube())?;
-    /// use hullmap::Pack;
-    ///
-    /// let pack = Pack::open(&path)?;
-    /// assert_eq!(pack.hull(0)?.name(), "rock");
-    ///
-    /// std::fs::write(&path, "v 0 0 0")?;
-    /// let error = Pack::open(&path).unwrap_err();
-    /// assert!(error.to_string().contains("rock.hullmap: the file is 7 bytes long"));
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
         Self::copy(path.as_ref(), Checks::All)
     }
@@ -437,18 +418,6 @@ impl Pack {
     ///
     /// # Complexity
     /// O(number of hulls). Keep the hull or its index.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() -> Result<(), hullmap::NoHullNamed> {
-    /// let pack: hullmap::Pack = pack();
-    /// assert_eq!(pack.hull_named("cube")?.vertex_count(), 8);
-    /// let error = pack.hull_named("sphere").unwrap_err().to_string();
-    /// assert_eq!(error, "no hull has the name \"sphere\": the pack has 2 (rock, cube)");
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn hull_named(&self, name: &str) -> Result<Hull<'_>, NoHullNamed> {
         self.hulls().find(|hull| hull.name() == name).ok_or_else(|| self.no_hull_named(name))
     }
