@@ -46,7 +46,7 @@ const STARTS: [(&str, &[&str]); 37] = [
     ("support/support_map.rs", &["trait SupportMap"]),
 ];
 
-/// Whether the public item has a code block in its own documentation. Expects the layout of rustfmt.
+/// Whether the public item has a code block in its documentation. Expects the layout of rustfmt.
 fn has_example(text: &str, item: &str) -> bool {
     let mut has_example = false;
     for line in text.lines().map(str::trim_start) {
