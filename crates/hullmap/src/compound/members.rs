@@ -60,7 +60,6 @@ impl<'a> Compound<'a> {
         }
     }
 
-    /// The BVH.
     pub(super) fn nodes(&self) -> Nodes<'_> {
         match self.members {
             Members::Pack(pack) => Nodes::of_pack(pack.nodes()),
@@ -81,14 +80,12 @@ impl<'a> Compound<'a> {
 }
 
 impl<'a> From<Hull<'a>> for Compound<'a> {
-    /// A compound of one hull.
     fn from(hull: Hull<'a>) -> Self {
         Self { members: Members::One(hull) }
     }
 }
 
 impl<'a> From<&'a Pack> for Compound<'a> {
-    /// As [`Compound::new`].
     fn from(pack: &'a Pack) -> Self {
         Self::new(pack)
     }

@@ -436,7 +436,6 @@ fn hides(near: &Neighbour<'_>, between: [DVec3; 2]) -> bool {
     from * to < 0.0 && (sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0))
 }
 
-/// Faces of a part.
 #[derive(Default)]
 struct Faces {
     found: ArrayVec<Face, MAX_FACES>,
@@ -449,7 +448,6 @@ struct Face {
     depth: f64,
     /// Outward unit normal.
     normal: DVec3,
-    /// Height along the normal.
     height: f64,
 }
 
@@ -472,7 +470,6 @@ struct PartPair<'p, A: ?Sized, B: ?Sized> {
     a: &'p Side<'p, A>,
     b: &'p Side<'p, B>,
     b_in_a: Pose,
-    /// Width of a seam, a length.
     seam: f64,
 }
 
@@ -539,7 +536,6 @@ impl<A: Shape + ?Sized, B: Shape + ?Sized> PartPair<'_, A, B> {
     }
 }
 
-/// Replacement of a manifold.
 #[expect(clippy::large_enum_variant, reason = "returned once, never stored")]
 enum Choice {
     /// The part has no faces: it keeps its manifold.
@@ -671,7 +667,6 @@ impl<S: Shape + ?Sized, T: Shape + ?Sized> Part<'_, S, T> {
             && self.own.is_exposed(face.normal, above, self.body(), self.seam)
     }
 
-    /// Whether another part contains a point.
     fn is_held(&self, point: DVec3) -> bool {
         let Some((union, part, place)) = self.own.union else { return false };
         let point = place.transform_point(point);

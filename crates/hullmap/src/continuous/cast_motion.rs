@@ -76,7 +76,6 @@ pub(crate) fn search_pair<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     ImpactSearch::run(pair, ShapeQueries { a, b, settings, cache }, tolerance, goal, window)
 }
 
-/// The queries of two shapes.
 struct ShapeQueries<'q, A: ?Sized, B: ?Sized> {
     a: &'q A,
     b: &'q B,

@@ -104,7 +104,6 @@ impl Default for Derivatives {
 }
 
 impl Derivatives {
-    /// No derivatives.
     pub(super) fn none(status: Differentiability) -> Self {
         Self { status, by_a: PoseDerivative::default(), by_b: PoseDerivative::default() }
     }

@@ -310,7 +310,6 @@ impl HeightField {
         triangle < self.triangle_count() && !self.sections().is_hole(triangle / 2)
     }
 
-    /// A vertex of the grid.
     #[inline]
     fn point(&self, column: usize, row: usize) -> DVec3 {
         let layout = &self.layout;

@@ -219,7 +219,6 @@ impl Pack {
         Self::copy(path.as_ref(), Checks::Sections)
     }
 
-    /// Reads a file into memory of this process and checks it.
     fn copy(path: &Path, checks: Checks) -> Result<Self, OpenError> {
         let invalid = |source: InvalidPack| OpenError::Invalid { path: path.to_owned(), source };
         let (header, bytes) = file::read(path, Some(FileKind::Pack))?;
@@ -405,7 +404,6 @@ impl Pack {
         Hull::new(self.storage.sections(), facets, index).ok_or(NoSuchHull { index, hull_count: self.hull_count() })
     }
 
-    /// Nodes of the BVH over the hulls.
     pub(crate) fn nodes(&self) -> &[ArchivedBvhNode] {
         self.storage.sections().nodes
     }
@@ -422,7 +420,6 @@ impl Pack {
         self.hulls().find(|hull| hull.name() == name).ok_or_else(|| self.no_hull_named(name))
     }
 
-    /// The error for a name that no hull has.
     pub(crate) fn no_hull_named(&self, name: &str) -> NoHullNamed {
         let names = self.hulls().take(MAX_NAMES).map(|hull| hull.name().to_owned()).collect();
         NoHullNamed { name: name.to_owned(), names, hull_count: self.hull_count() }
