@@ -109,11 +109,17 @@ fn all_settings() -> [Settings; 6] {
     [usual, of(0.0, usual.max_iterations), of(0.1, 3), of(1e-5, 0), of(1e-5, 1), of(f64::NAN, 12)]
 }
 
+/// Answers all pairs by one plan.
+type Answer<'f, T> = &'f dyn Fn(&[AnyPair<'_, '_>], &Settings, &mut [Cache], &mut [T]);
+
+/// The least number of answers of a kind, and whether an answer is of that kind.
+type Kind<'f, T> = (usize, &'f dyn Fn(&T) -> bool);
+
 /// Answers of many pairs under every plan, and with all settings.
 fn compare_plans<T: Clone + Debug + Default>(
     seed: u64,
     single: impl Fn(&AnyPair<'_, '_>, &Settings, &mut Cache) -> T,
-    plans: [&dyn Fn(&[AnyPair<'_, '_>], &Settings, &mut [Cache], &mut [T]); 2],
+    plans: [Answer<'_, T>; 2],
 ) -> Vec<T> {
     println!("seed {seed}");
     let mut rng = SplitMix64::new(seed);
@@ -130,8 +136,8 @@ fn compare_plans<T: Clone + Debug + Default>(
     found
 }
 
-/// Asserts that there are at least so many answers of each kind.
-fn assert_counts<T>(found: &[T], kinds: &[(usize, &dyn Fn(&T) -> bool)]) {
+/// Asserts that there are enough answers of each kind.
+fn assert_counts<T>(found: &[T], kinds: &[Kind<'_, T>]) {
     for (kind, (least, is_kind)) in kinds.iter().enumerate() {
         let count = found.iter().filter(|found| is_kind(found)).count();
         assert!(count >= *least, "kind {kind}: {count} of {}", found.len());
