@@ -18,7 +18,6 @@ use glam::DVec2;
 /// Maximum number of corners. 3 to 6 are common.
 const MAX_CORNERS: usize = 24;
 
-/// A side of a polygon.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PolygonSide {
     /// The corner from which it starts.

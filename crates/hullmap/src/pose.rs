@@ -164,17 +164,6 @@ impl Pose {
     /// # Errors
     /// As [`from_affine`](Self::from_affine). A last row other than (0, 0, 0, 1) is a projection
     /// and not rigid.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::Pose;
-    /// use hullmap::glam::{DMat4, DVec3};
-    ///
-    /// let pose = Pose::from_matrix(DMat4::from_translation(DVec3::X))?;
-    /// assert_eq!(pose.translation(), DVec3::X);
-    /// assert_eq!(Pose::from_matrix(pose.to_matrix())?, pose);
-    /// # Ok::<(), hullmap::PoseError>(())
-    /// ```
     pub fn from_matrix(b_in_a: DMat4) -> Result<Self, PoseError> {
         let affine = DAffine3::from_mat4(b_in_a);
         if b_in_a.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
@@ -214,18 +203,6 @@ impl Pose {
     ///
     /// # Errors
     /// [`PoseError::Translation`] if C is more than [`MAX_TRANSLATION`] away from A.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::Pose;
-    /// use hullmap::glam::{DQuat, DVec3};
-    /// use std::f64::consts::FRAC_PI_2;
-    ///
-    /// let b_in_a = Pose::new(DVec3::X, DQuat::from_rotation_z(FRAC_PI_2))?;
-    /// let c_in_b = Pose::from_translation(DVec3::X)?;
-    /// assert!(b_in_a.compose(c_in_b)?.translation().distance(DVec3::new(1.0, 1.0, 0.0)) < 1e-15);
-    /// # Ok::<(), hullmap::PoseError>(())
-    /// ```
     pub fn compose(&self, c_in_b: Self) -> Result<Self, PoseError> {
         Self::new(self.transform_point(c_in_b.translation), self.rotation * c_in_b.rotation)
     }

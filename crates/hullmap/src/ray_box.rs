@@ -10,7 +10,6 @@ use glam::DVec3;
 /// Relative rounding error of a length along a ray: of a sum, an inverse and a product.
 pub(crate) const LENGTH_ERROR: f64 = 4.0 * f64::EPSILON;
 
-/// A ray that is compared with boxes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BoxedRay {
     pub(crate) origin: DVec3,

@@ -135,10 +135,8 @@ pub(super) fn manifolds<A, B>(
     });
 }
 
-/// The part of the pairs that is fetched next.
 struct Ahead<'p, 's, A: ?Sized, B: ?Sized> {
     pairs: &'p [Pair<'s, A, B>],
-    /// Index of the pair.
     at: Cell<usize>,
     /// The part of its shapes.
     part: Cell<usize>,
@@ -157,7 +155,6 @@ impl<'p, 's, A: Shape + ?Sized, B: Shape + ?Sized> Ahead<'p, 's, A, B> {
         Fetching { shape, ahead: self }
     }
 
-    /// Fetches the next part.
     #[inline]
     fn fetch(&self) {
         let (at, part) = (self.at.get(), self.part.get());

@@ -35,7 +35,6 @@ pub(super) const IN_FLIGHT: usize = 8;
 /// they are on the stack: 16 KB each.
 pub(super) const CONTACTS_IN_FLIGHT: usize = 3;
 
-/// One of the queries in flight.
 struct InFlight<Q, R> {
     /// The index of the pair, and its query.
     query: Option<(usize, Q)>,

@@ -52,20 +52,6 @@ const MIN_TESTS: usize = 128;
 const MIN_SUPPORT_QUERIES: usize = 512;
 
 /// The slices of a batch differ in length.
-///
-/// # Examples
-/// ```
-/// use hullmap::batch::{self, Pair};
-/// use hullmap::shapes::Sphere;
-/// use hullmap::{Pose, Settings};
-///
-/// let ball = Sphere::new(1.0)?;
-/// let pairs = [Pair { a: &ball, b: &ball, b_in_a: Pose::IDENTITY }];
-/// let error = batch::contact(&pairs, &Settings::default(), &mut [], &mut []).unwrap_err();
-/// assert_eq!((error.pairs, error.caches, error.answers), (1, 0, 0));
-/// assert!(error.to_string().ends_with("found 0 and 0: pass slices of equal length"));
-/// # Ok::<(), hullmap::ShapeError>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "a batch of {pairs} pairs requires {pairs} caches and {pairs} answers, found {caches} and {answers}: \
@@ -180,23 +166,6 @@ where
 ///
 /// # Complexity
 /// The sum over the single queries, divided among the threads. No allocation per pair.
-///
-/// # Examples
-/// ```
-/// use hullmap::batch::{self, Pair};
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Sphere;
-/// use hullmap::{Cache, Distance, Pose, Settings};
-///
-/// let ball = Sphere::new(1.0)?;
-/// let at = |x| Pose::from_translation(DVec3::new(x, 0.0, 0.0));
-/// let pairs = [at(1.5)?, at(3.0)?].map(|b_in_a| Pair { a: &ball, b: &ball, b_in_a });
-/// let mut caches = vec![Cache::new(); pairs.len()];
-/// let mut gaps = vec![Distance::default(); pairs.len()];
-/// batch::distance(&pairs, &Settings::default(), &mut caches, &mut gaps)?;
-/// assert!(gaps[0].distance == 0.0 && (gaps[1].distance - 1.0).abs() < 1e-12);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 pub fn distance<A, B>(
     pairs: &[Pair<'_, A, B>],
     settings: &Settings,
@@ -219,23 +188,6 @@ where
 ///
 /// # Complexity
 /// The sum over the single queries, divided among the threads. No allocation per pair.
-///
-/// # Examples
-/// ```
-/// use hullmap::batch::{self, Pair};
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Sphere;
-/// use hullmap::{Cache, Intersection, Pose};
-///
-/// let ball = Sphere::new(1.0)?;
-/// let at = |x| Pose::from_translation(DVec3::new(x, 0.0, 0.0));
-/// let pairs = [at(1.5)?, at(3.0)?].map(|b_in_a| Pair { a: &ball, b: &ball, b_in_a });
-/// let mut caches = vec![Cache::new(); pairs.len()];
-/// let mut found = vec![Intersection::default(); pairs.len()];
-/// batch::intersects(&pairs, &mut caches, &mut found)?;
-/// assert!(found[0].is_hit() && !found[1].is_hit());
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 pub fn intersects<A, B>(
     pairs: &[Pair<'_, A, B>],
     caches: &mut [Cache],

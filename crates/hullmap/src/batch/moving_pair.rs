@@ -10,20 +10,6 @@ use crate::solver::Cache;
 
 /// Two bodies and their motions in a common frame, over the times 0 to 1. For a batch of shapes of
 /// several types, use `dyn Shape + Sync`.
-///
-/// # Examples
-/// ```
-/// use hullmap::batch::MovingPair;
-/// use hullmap::shapes::{Cuboid, Sphere};
-/// use hullmap::{Pose, RigidMotion, Shape, glam::DVec3};
-///
-/// let (ball, cube) = (Sphere::new(1.0)?, Cuboid::new(DVec3::ONE)?);
-/// let still = RigidMotion::still(Pose::IDENTITY);
-/// type AnyPair<'s> = MovingPair<'s, dyn Shape + Sync, dyn Shape + Sync>;
-/// let pair: AnyPair = MovingPair { a: &ball, motion_a: still, b: &cube, motion_b: still };
-/// assert_eq!(pair.motion_a.pose_at(0.5), Pose::IDENTITY);
-/// # Ok::<(), hullmap::ShapeError>(())
-/// ```
 #[derive(Debug)]
 pub struct MovingPair<'s, A: ?Sized, B: ?Sized> {
     /// The first body.

@@ -7,20 +7,6 @@ use crate::shapes::Shape;
 
 /// Two shapes and their relative pose. For a batch of shapes of several types, use `dyn Shape +
 /// Sync`.
-///
-/// # Examples
-/// ```
-/// use hullmap::batch::Pair;
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::{Cuboid, Sphere};
-/// use hullmap::{Pose, Shape, SupportMap};
-///
-/// let (ball, cube) = (Sphere::new(1.0)?, Cuboid::new(DVec3::ONE)?);
-/// type AnyPair<'s> = Pair<'s, dyn Shape + Sync, dyn Shape + Sync>;
-/// let pair: AnyPair = Pair { a: &ball, b: &cube, b_in_a: Pose::IDENTITY };
-/// assert_eq!(pair.b.inner_radius(), 1.0);
-/// # Ok::<(), hullmap::ShapeError>(())
-/// ```
 #[derive(Debug)]
 pub struct Pair<'s, A: ?Sized, B: ?Sized> {
     /// The first shape.
@@ -40,18 +26,6 @@ impl<A: ?Sized, B: ?Sized> Clone for Pair<'_, A, B> {
 impl<A: ?Sized, B: ?Sized> Copy for Pair<'_, A, B> {}
 
 /// A shape and a direction, for [`support_points`](super::support_points).
-///
-/// # Examples
-/// ```
-/// use hullmap::batch::SupportQuery;
-/// use hullmap::glam::DVec3;
-/// use hullmap::{SupportMap, shapes::Sphere};
-///
-/// let ball = Sphere::new(2.0)?;
-/// let query = SupportQuery { shape: &ball, dir: DVec3::Y };
-/// assert_eq!(query.shape.support_point(query.dir).point, DVec3::new(0.0, 2.0, 0.0));
-/// # Ok::<(), hullmap::ShapeError>(())
-/// ```
 #[derive(Debug)]
 pub struct SupportQuery<'s, S: ?Sized> {
     /// The shape.

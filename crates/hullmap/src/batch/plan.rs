@@ -34,10 +34,8 @@ const SAMPLES: usize = 128;
 /// Number of bits of the set of shapes seen: enough that two of the samples rarely share a bit.
 const SEEN_BITS: usize = 4096;
 
-/// How a batch works.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Plan {
-    /// One query after the other.
     Loop,
     /// The same, while the memory of the next queries is fetched.
     Ahead,
@@ -46,17 +44,14 @@ pub(super) enum Plan {
 }
 
 impl Plan {
-    /// For support queries.
     pub(super) fn of_shapes<'s, S: Shape + ?Sized + 's>(count: usize, shape: impl Fn(usize) -> Option<&'s S>) -> Self {
         WorkingSet::estimate(count, shape).plan(SCANNED)
     }
 
-    /// For intersection tests and distances.
     pub(super) fn of_pairs<A: Shape + ?Sized, B: Shape + ?Sized>(pairs: &[Pair<'_, A, B>]) -> Self {
         WorkingSet::of_pairs(pairs).plan(SCANNED)
     }
 
-    /// For contacts.
     pub(super) fn of_contacts<A: Shape + ?Sized, B: Shape + ?Sized>(pairs: &[Pair<'_, A, B>]) -> Self {
         WorkingSet::of_pairs(pairs).plan(READ_BY_CONTACTS)
     }

@@ -102,32 +102,6 @@ fn compare<T: Clone + Debug + Default>(
 
 const COUNTS: [usize; 8] = [0, 1, 3, 4, 5, 9, 64, 1000];
 
-#[test]
-fn intersections_have_the_bits_of_single_queries() {
-    let seed = 17;
-    println!("seed {seed}");
-    let mut rng = SplitMix64::new(seed);
-    let packs = packs();
-    let shapes = shapes(&packs);
-    let mut kinds = [0; 4];
-    for count in COUNTS {
-        let single =
-            |pair: &AnyPair<'_, '_>, cache: &mut Cache| queries::intersects(pair.a, pair.b, pair.b_in_a, cache);
-        let in_flight = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Intersection]| {
-            in_flight::answer_all::<_, _, IntersectionQuery, IN_FLIGHT>(pairs, &(), caches, out);
-        };
-        for found in compare(&shapes, &mut rng, count, single, in_flight) {
-            kinds[found.status as usize] += 1;
-        }
-        let ahead = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Intersection]| {
-            ahead::answer_all::<_, _, IntersectionQuery>(pairs, &(), caches, out);
-        };
-        compare(&shapes, &mut rng, count, single, ahead);
-    }
-    let hits = kinds[Overlap::Overlapping as usize];
-    assert!(hits > 1000 && kinds.iter().sum::<usize>() - hits > 1000, "{kinds:?}");
-}
-
 /// Settings with few and with many steps.
 fn all_settings() -> [Settings; 6] {
     let of = |tolerance, max_iterations| Settings { tolerance, max_iterations };
@@ -135,69 +109,103 @@ fn all_settings() -> [Settings; 6] {
     [usual, of(0.0, usual.max_iterations), of(0.1, 3), of(1e-5, 0), of(1e-5, 1), of(f64::NAN, 12)]
 }
 
-#[test]
-fn distances_have_the_bits_of_single_queries() {
-    let seed = 18;
+/// Answers all pairs by one plan.
+type Answer<'f, T> = &'f dyn Fn(&[AnyPair<'_, '_>], &Settings, &mut [Cache], &mut [T]);
+
+/// The least number of answers of a kind, and whether an answer is of that kind.
+type Kind<'f, T> = (usize, &'f dyn Fn(&T) -> bool);
+
+/// Answers of many pairs under every plan, and with all settings.
+fn compare_plans<T: Clone + Debug + Default>(
+    seed: u64,
+    single: impl Fn(&AnyPair<'_, '_>, &Settings, &mut Cache) -> T,
+    plans: [Answer<'_, T>; 2],
+) -> Vec<T> {
     println!("seed {seed}");
     let mut rng = SplitMix64::new(seed);
     let packs = packs();
-    let shapes = shapes(&packs);
-    let (mut separated, mut touching, mut overlapping, mut limited) = (0, 0, 0, 0);
+    let (shapes, mut found) = (shapes(&packs), Vec::new());
     for settings in &all_settings() {
-        for count in COUNTS {
-            let single = |pair: &AnyPair<'_, '_>, cache: &mut Cache| {
-                queries::distance(pair.a, pair.b, pair.b_in_a, settings, cache)
-            };
-            let in_flight = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Distance]| {
-                in_flight::answer_all::<_, _, DistanceQuery, IN_FLIGHT>(pairs, settings, caches, out);
-            };
-            let ahead = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Distance]| {
-                ahead::answer_all::<_, _, DistanceQuery>(pairs, settings, caches, out);
-            };
-            compare(&shapes, &mut rng, count, single, ahead);
-            for found in compare(&shapes, &mut rng, count, single, in_flight) {
-                separated += usize::from(found.lower > 0.0);
-                touching += usize::from(found.status == Status::Touching);
-                overlapping += usize::from(found.status == Status::Overlapping);
-                limited += usize::from(found.status == Status::IterationLimit);
-            }
+        for (count, plan) in COUNTS.into_iter().flat_map(|count| plans.map(|plan| (count, plan))) {
+            let single = |pair: &AnyPair<'_, '_>, cache: &mut Cache| single(pair, settings, cache);
+            found.extend(compare(&shapes, &mut rng, count, single, |pairs, caches, out| {
+                plan(pairs, settings, caches, out)
+            }));
         }
     }
-    let kinds = [separated, touching, overlapping, limited];
-    assert!(separated > 5000 && overlapping > 5000 && limited > 1000 && touching > 0, "{kinds:?}");
+    found
+}
+
+/// Asserts that there are enough answers of each kind.
+fn assert_counts<T>(found: &[T], kinds: &[Kind<'_, T>]) {
+    for (kind, (least, is_kind)) in kinds.iter().enumerate() {
+        let count = found.iter().filter(|found| is_kind(found)).count();
+        assert!(count >= *least, "kind {kind}: {count} of {}", found.len());
+    }
+}
+
+#[test]
+fn intersections_have_the_bits_of_single_queries() {
+    let found = compare_plans(
+        17,
+        |pair, _, cache| queries::intersects(pair.a, pair.b, pair.b_in_a, cache),
+        [
+            &|pairs, _, caches, out| {
+                in_flight::answer_all::<_, _, IntersectionQuery, IN_FLIGHT>(pairs, &(), caches, out);
+            },
+            &|pairs, _, caches, out| ahead::answer_all::<_, _, IntersectionQuery>(pairs, &(), caches, out),
+        ],
+    );
+    assert_counts(&found, &[(9000, &|y| y.status == Overlap::Overlapping), (9000, &|y| !y.is_hit())]);
+}
+
+#[test]
+fn distances_have_the_bits_of_single_queries() {
+    let found = compare_plans(
+        18,
+        |pair, settings, cache| queries::distance(pair.a, pair.b, pair.b_in_a, settings, cache),
+        [
+            &|pairs, settings, caches, out| {
+                in_flight::answer_all::<_, _, DistanceQuery, IN_FLIGHT>(pairs, settings, caches, out);
+            },
+            &|pairs, settings, caches, out| {
+                ahead::answer_all::<_, _, DistanceQuery>(pairs, settings, caches, out);
+            },
+        ],
+    );
+    assert_counts(
+        &found,
+        &[
+            (10_000, &|d| d.lower > 0.0),
+            (10_000, &|d| d.status == Status::Overlapping),
+            (2000, &|d| d.status == Status::IterationLimit),
+            (1, &|d| d.status == Status::Touching),
+        ],
+    );
 }
 
 #[test]
 fn contacts_have_the_bits_of_single_queries() {
-    let seed = 19;
-    println!("seed {seed}");
-    let mut rng = SplitMix64::new(seed);
-    let packs = packs();
-    let shapes = shapes(&packs);
-    let (mut hits, mut misses, mut large, mut limited) = (0, 0, 0, 0);
-    for settings in &all_settings() {
-        for count in COUNTS {
-            let single = |pair: &AnyPair<'_, '_>, cache: &mut Cache| {
-                queries::contact(pair.a, pair.b, pair.b_in_a, settings, cache)
-            };
-            let in_flight = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Contact]| {
+    let found = compare_plans(
+        19,
+        |pair, settings, cache| queries::contact(pair.a, pair.b, pair.b_in_a, settings, cache),
+        [
+            &|pairs, settings, caches, out| {
                 in_flight::answer_all::<_, _, ContactQuery, CONTACTS_IN_FLIGHT>(pairs, settings, caches, out);
-            };
-            let ahead = |pairs: &[AnyPair<'_, '_>], caches: &mut [Cache], out: &mut [Contact]| {
-                ahead::contact(pairs, settings, caches, out);
-            };
-            compare(&shapes, &mut rng, count, single, ahead);
-            for found in compare(&shapes, &mut rng, count, single, in_flight) {
-                hits += usize::from(found.hit);
-                misses += usize::from(!found.hit);
-                // The third size of polytopes.
-                large += usize::from(found.iterations > 80);
-                limited += usize::from(found.status == Status::IterationLimit);
-            }
-        }
-    }
-    let kinds = [hits, misses, large, limited];
-    assert!(hits > 5000 && misses > 5000 && large > 20 && limited > 1000, "{kinds:?}");
+            },
+            &|pairs, settings, caches, out| ahead::contact(pairs, settings, caches, out),
+        ],
+    );
+    // More than 80 iterations take the third size of polytopes.
+    assert_counts(
+        &found,
+        &[
+            (10_000, &|c| c.hit),
+            (10_000, &|c| !c.hit),
+            (40, &|c| c.iterations > 80),
+            (2000, &|c| c.status == Status::IterationLimit),
+        ],
+    );
 }
 
 /// Most pairs of the tests above are in flight, also with the separating axis test.

@@ -29,7 +29,6 @@ pub(super) struct Node {
     pub(super) child: Child,
 }
 
-/// Contents of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Child {
     /// A leaf: the part with this index.
@@ -166,7 +165,6 @@ impl<'n> Nodes<'n> {
         Self { tree: Tree::One(Node::new(low, high, Child::Hull(0))) }
     }
 
-    /// Node `index`; `None` if the index is out of range.
     #[inline]
     pub(super) fn get(&self, index: u32) -> Option<Node> {
         match self.tree {
@@ -205,13 +203,11 @@ pub(super) struct Placement<'q> {
     pub(super) b: Nodes<'q>,
     b_in_a: Pose,
     rotation: DMat3,
-    /// Absolute values of the entries of `rotation`.
     abs_rotation: DMat3,
     /// Bound on the rounding error of a distance between boxes.
     rounding_error: f64,
 }
 
-/// A box of B, placed in A's frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlacedBox {
     /// Half the lengths of its sides.
@@ -223,7 +219,6 @@ pub(super) struct PlacedBox {
 }
 
 impl PlacedBox {
-    /// Whether the box is a point.
     pub(super) fn is_point(&self) -> bool {
         !(self.half.length_squared() > 0.0)
     }
@@ -248,7 +243,6 @@ impl<'q> Placement<'q> {
         Self { a, b, b_in_a, rotation, abs_rotation, rounding_error }
     }
 
-    /// A box of B in A's frame.
     pub(super) fn placed(&self, b: &Node) -> PlacedBox {
         let center = self.b_in_a.transform_point(b.center);
         PlacedBox { half: b.half, center, around: self.abs_rotation * b.half }

@@ -45,9 +45,7 @@ pub(crate) fn cast_motion<A: Parts + ?Sized, B: Parts + ?Sized>(
     first_meeting(&mut bodies, &mut settings.goal(motions)).relative_to(origin)
 }
 
-/// Two bodies made of parts.
 pub(super) trait Bodies {
-    /// Their trees of boxes.
     fn nodes(&self) -> [Nodes<'_>; 2];
 
     /// When two boxes first meet in a window of time.
@@ -57,7 +55,6 @@ pub(super) trait Bodies {
     fn search_parts(&mut self, pair: [usize; 2], goal: &mut Goal, window: [f64; 2]) -> Option<TimeOfImpact>;
 }
 
-/// Two compounds.
 pub(super) struct Compounds<'q, A: ?Sized, B: ?Sized> {
     pub(super) a: &'q A,
     pub(super) b: &'q B,
@@ -85,7 +82,6 @@ impl<A: Parts + ?Sized, B: Parts + ?Sized> Bodies for Compounds<'_, A, B> {
     }
 }
 
-/// A half-space and a compound.
 pub(super) struct PlaneAndParts<'q, B: ?Sized> {
     pub(super) plane: &'q HalfSpace,
     pub(super) b: &'q B,

@@ -49,7 +49,6 @@ impl<'q> Descent<'q> {
         Self { nodes, normal, offset, rounding_error, stack, boxes: 0 }
     }
 
-    /// Number of boxes compared so far.
     pub(super) fn boxes(&self) -> u32 {
         self.boxes
     }
@@ -92,7 +91,6 @@ impl<'q> Descent<'q> {
     }
 }
 
-/// The only part of a shape.
 #[inline]
 fn only_part<B: Parts + ?Sized>(b: &B) -> Option<B::Part<'_>> {
     if b.part_count() == 1 { b.part(0) } else { None }

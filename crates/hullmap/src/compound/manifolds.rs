@@ -90,7 +90,6 @@ pub(super) struct SmallerBody {
     pub(super) center: DVec3,
     /// Upper bound of its outer radius.
     pub(super) reach: f64,
-    /// The prediction, a length.
     pub(super) prediction: f64,
 }
 
@@ -261,7 +260,6 @@ impl CompoundManifolds {
         self.finish(frame)
     }
 
-    /// Updates the manifold of two parts.
     fn meet<A: Parts + ?Sized, B: Parts + ?Sized>(
         &mut self,
         frame: &mut Frame,
@@ -453,7 +451,6 @@ struct Frame {
 }
 
 impl Frame {
-    /// Counts a pair of parts that was queried.
     fn count(&mut self, contact: &Contact) {
         self.counts.pairs += 1;
         self.counts.iterations += contact.iterations;
@@ -461,12 +458,10 @@ impl Frame {
     }
 }
 
-/// Two bodies whose manifolds are updated.
 struct BodyPair<'u> {
     b_in_a: Pose,
     /// The union that A is in, the index of its first part there, and its pose.
     in_a: Option<(&'u dyn Union, usize, Pose)>,
-    /// The union of B's parts.
     in_b: Option<&'u dyn Union>,
     settings: &'u ManifoldSettings,
 }

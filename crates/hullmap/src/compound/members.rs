@@ -53,16 +53,6 @@ impl<'a> Compound<'a> {
     ///
     /// # Complexity
     /// O(number of hulls).
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-    /// # fn main() {
-    /// # let pack = two_cubes();
-    /// let both = hullmap::Compound::new(&pack);
-    /// assert!((both.mass_properties(1000.0).mass - 2000.0).abs() < 1e-9);
-    /// # }
-    /// ```
     pub fn mass_properties(&self, density: f64) -> MassProperties {
         match self.members {
             Members::Pack(pack) => pack.mass_properties(density),
@@ -70,7 +60,6 @@ impl<'a> Compound<'a> {
         }
     }
 
-    /// The BVH.
     pub(super) fn nodes(&self) -> Nodes<'_> {
         match self.members {
             Members::Pack(pack) => Nodes::of_pack(pack.nodes()),
@@ -91,14 +80,12 @@ impl<'a> Compound<'a> {
 }
 
 impl<'a> From<Hull<'a>> for Compound<'a> {
-    /// A compound of one hull.
     fn from(hull: Hull<'a>) -> Self {
         Self { members: Members::One(hull) }
     }
 }
 
 impl<'a> From<&'a Pack> for Compound<'a> {
-    /// As [`Compound::new`].
     fn from(pack: &'a Pack) -> Self {
         Self::new(pack)
     }

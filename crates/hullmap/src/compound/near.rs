@@ -32,7 +32,6 @@ pub(super) struct NearTriangles {
     is_whole: bool,
 }
 
-/// A triangle: its index and its corners.
 #[derive(Clone, Copy)]
 struct NearTriangle {
     index: usize,
@@ -71,7 +70,6 @@ struct Balls {
     is_whole: bool,
 }
 
-/// A part, and a ball around it.
 #[derive(Clone, Copy)]
 struct Ball {
     index: usize,

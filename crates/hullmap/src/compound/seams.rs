@@ -199,28 +199,6 @@ pub fn weld<A: Shape + ?Sized, B: Shape + ?Sized>(
 }
 
 /// A compound or a shape of this crate as a [`Union`].
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/tiles.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_tiles();
-/// use hullmap::Compound;
-/// use hullmap::compound::seams::{self, Union};
-/// use hullmap::glam::DVec3;
-///
-/// // Unit cubes at x from −1 to 0 and from 0 to 1, below z = 0.
-/// let tiles = Compound::new(&pack);
-/// let mut found = Vec::new();
-/// let note = &mut |part: seams::Neighbour<'_>| {
-///     found.push(part.index);
-///     false
-/// };
-/// seams::union_of(&tiles).any_near(DVec3::new(0.5, 0.0, -0.5), 0.1, note);
-/// assert_eq!(found, [1]);
-/// # Ok(())
-/// # }
-/// ```
 pub fn union_of<P: Parts + ?Sized>(parts: &P) -> impl Union + '_ {
     OfParts(parts)
 }
@@ -296,21 +274,6 @@ impl<P: Parts + ?Sized> Union for OfParts<'_, P> {
 }
 
 /// [`Union::faces_near`] of a hull.
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/tiles.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_tiles();
-/// let mut count = 0;
-/// hullmap::compound::seams::faces_of_hull(&pack.hull(0)?, 0, &mut |normal, _| {
-///     assert!((normal.length() - 1.0).abs() < 1e-6);
-///     count += 1;
-/// });
-/// assert_eq!(count, 6);
-/// # Ok(())
-/// # }
-/// ```
 pub fn faces_of_hull(hull: &Hull<'_>, vertex: u32, visit: &mut dyn FnMut(DVec3, DVec3)) {
     let mut give = |face: u32| {
         if let (Some(normal), Some(corner)) = (hull.face_normal(face), hull.face(face).next()) {
@@ -326,17 +289,6 @@ pub fn faces_of_hull(hull: &Hull<'_>, vertex: u32, visit: &mut dyn FnMut(DVec3, 
 }
 
 /// [`Union::faces_near`] of a shape whose faces cannot be listed: those closest to the axes.
-///
-/// # Examples
-/// ```
-/// use hullmap::compound::seams::faces_of_shape;
-/// use hullmap::{glam::DVec3, shapes::Cuboid};
-///
-/// let mut count = 0;
-/// faces_of_shape(&Cuboid::new(DVec3::ONE)?, &mut |_, _| count += 1);
-/// assert_eq!(count, 6);
-/// # Ok::<(), hullmap::ShapeError>(())
-/// ```
 pub fn faces_of_shape<S: Shape + ?Sized>(shape: &S, visit: &mut dyn FnMut(DVec3, DVec3)) {
     for axis in DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
         if let Some((normal, point)) = face_of(shape, axis) {
@@ -347,18 +299,6 @@ pub fn faces_of_shape<S: Shape + ?Sized>(shape: &S, visit: &mut dyn FnMut(DVec3,
 
 /// Unit normal and a point of the face of `shape` towards `dir`; `None` if the shape has only an
 /// edge or a vertex there.
-///
-/// # Examples
-/// ```
-/// use hullmap::compound::seams::face_of;
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::{Cuboid, Sphere};
-///
-/// let (normal, point) = face_of(&Cuboid::new(DVec3::ONE)?, DVec3::Z).unwrap();
-/// assert!(normal.distance(DVec3::Z) < 1e-12 && point.z == 1.0);
-/// assert!(face_of(&Sphere::new(1.0)?, DVec3::Z).is_none());
-/// # Ok::<(), hullmap::ShapeError>(())
-/// ```
 pub fn face_of<S: Shape + ?Sized>(shape: &S, dir: DVec3) -> Option<(DVec3, DVec3)> {
     let mut feature = Feature::new();
     shape.feature(dir, &mut feature);
@@ -496,7 +436,6 @@ fn hides(near: &Neighbour<'_>, between: [DVec3; 2]) -> bool {
     from * to < 0.0 && (sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0))
 }
 
-/// Faces of a part.
 #[derive(Default)]
 struct Faces {
     found: ArrayVec<Face, MAX_FACES>,
@@ -509,7 +448,6 @@ struct Face {
     depth: f64,
     /// Outward unit normal.
     normal: DVec3,
-    /// Height along the normal.
     height: f64,
 }
 
@@ -532,7 +470,6 @@ struct PartPair<'p, A: ?Sized, B: ?Sized> {
     a: &'p Side<'p, A>,
     b: &'p Side<'p, B>,
     b_in_a: Pose,
-    /// Width of a seam, a length.
     seam: f64,
 }
 
@@ -599,7 +536,6 @@ impl<A: Shape + ?Sized, B: Shape + ?Sized> PartPair<'_, A, B> {
     }
 }
 
-/// Replacement of a manifold.
 #[expect(clippy::large_enum_variant, reason = "returned once, never stored")]
 enum Choice {
     /// The part has no faces: it keeps its manifold.
@@ -731,7 +667,6 @@ impl<S: Shape + ?Sized, T: Shape + ?Sized> Weld<'_, S, T> {
             && self.own.is_exposed(face.normal, above, self.body(), self.seam)
     }
 
-    /// Whether another part contains a point.
     fn is_held(&self, point: DVec3) -> bool {
         let Some((union, part, place)) = self.own.union else { return false };
         let point = place.transform_point(point);

@@ -14,26 +14,6 @@ use crate::shapes::triangle::VisitTriangle;
 use crate::triangle_mesh::TriangleMesh;
 
 /// A triangle mesh or a height field: one side of a query of programs that open both. A cheap copy.
-///
-/// # Examples
-/// ```
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// use std::sync::Arc;
-///
-/// use hullmap::compound::SharedSheet;
-/// use hullmap::glam::DVec3;
-/// use hullmap::{CastSettings, Ray, TriangleMesh};
-/// # use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
-/// # let positions = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0]];
-/// # let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners: &[[0, 1, 2]], materials: &[] })?;
-/// # let file = write_triangle_mesh(baked, &Default::default())?;
-///
-/// let level = SharedSheet::Mesh(Arc::new(TriangleMesh::from_bytes(&file)?));
-/// let down = Ray::new(DVec3::new(1.0, -2.0, 5.0), DVec3::NEG_Z)?;
-/// assert_eq!(hullmap::ray(&level, &down, &CastSettings::default()).t, 5.0);
-/// # Ok(())
-/// # }
-/// ```
 #[derive(Clone, Debug)]
 pub enum SharedSheet {
     /// A triangle mesh.

@@ -33,7 +33,6 @@ const SQUARES: std::ops::Range<f64> = 1e-80..1e80;
 /// counts as a contact with the back.
 const BACK: f64 = 0.99;
 
-/// Two parts of two compounds.
 pub(super) struct CandidatePair<'p, A: Parts + ?Sized + 'p, B: Parts + ?Sized + 'p> {
     pub(super) a: A::Part<'p>,
     pub(super) b: B::Part<'p>,
@@ -100,7 +99,6 @@ impl<'p, A: Parts + ?Sized, B: Parts + ?Sized> CandidatePair<'p, A, B> {
         Contact { iterations: found.iterations + iterations, ..found }
     }
 
-    /// Updates a manifold of the parts.
     pub(super) fn update(&self, manifold: &mut Manifold, settings: &ManifoldSettings, cache: &mut Cache) -> Contact {
         let contact = manifold.update(&self.a, &self.b, self.b_in_a, settings, cache);
         if let Some(front) = self.front_of_back(&contact)

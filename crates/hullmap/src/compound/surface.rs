@@ -21,27 +21,6 @@ use crate::triangle_mesh::winding::{Place, TINY};
 use crate::triangle_mesh::{OpenSurface, TriangleMesh};
 
 /// Why there is no signed distance.
-///
-/// # Examples
-/// ```
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// use hullmap::glam::DVec3;
-/// use hullmap::{Cache, Settings, TriangleMesh, compound};
-/// # use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
-/// # let positions = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0]];
-/// # let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners: &[[0, 1, 2]], materials: &[] })?;
-/// # let file = write_triangle_mesh(baked, &Default::default())?;
-///
-/// let sheet = TriangleMesh::from_bytes(&file)?;
-/// let error = compound::surface_distance(&sheet, DVec3::ONE, &Settings::default(), &mut Cache::new());
-/// assert_eq!(
-///     error.unwrap_err().to_string(),
-///     "the surface is not closed: an edge of triangle 0 (0 in the source) is a border; close the mesh, or ask for \
-///      the distance from its triangles"
-/// );
-/// # Ok(())
-/// # }
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SurfaceError {
     /// The point is not finite, or too far away.

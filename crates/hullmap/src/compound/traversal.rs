@@ -22,10 +22,8 @@ pub(super) trait BoxPairs {
     /// Facts about a box of B that do not depend on the box of A.
     type Placed: Copy;
 
-    /// The BVHs of A and of B.
     fn nodes(&self) -> [Nodes<'_>; 2];
 
-    /// A box of B.
     fn placed(&self, b: &Node) -> Self::Placed;
 
     /// The lower bound of a pair of boxes, and a number that orders pairs with equal bounds.
@@ -76,7 +74,6 @@ impl<P: BoxPairs> Traversal<P> {
         this
     }
 
-    /// Number of pairs of boxes compared so far.
     pub(super) fn boxes(&self) -> u32 {
         self.boxes
     }
@@ -91,7 +88,6 @@ impl<P: BoxPairs> Traversal<P> {
         self.stack.iter().fold(f64::INFINITY, |least, pair| least.min(pair.2))
     }
 
-    /// The source of the bounds.
     pub(super) fn pairs(&mut self) -> &mut P {
         &mut self.pairs
     }

@@ -18,7 +18,7 @@ use crate::pack::Pack;
 use crate::shapes::Sphere;
 use crate::shapes::triangle::VisitTriangle;
 use crate::triangle_mesh::TriangleMesh;
-use crate::{Cache, CastSettings, Compound, Motion, Pose, Ray, Settings};
+use crate::{Cache, CastSettings, Compound, CompoundManifolds, ManifoldSettings, Motion, Pose, Ray, Settings};
 
 /// Parts that remember which of them were taken.
 struct Counted<'a, P>(&'a P, RefCell<Vec<usize>>);
@@ -77,7 +77,6 @@ impl<P: Tree> Geometry for Counted<'_, P> {
     }
 }
 
-/// A query of counted parts.
 type Query<'q, P> = &'q dyn Fn(&Counted<'_, P>);
 
 /// A pack of rocks of this size at these places.
@@ -124,7 +123,6 @@ fn field(cells: usize) -> HeightField {
     HeightField::from_bytes(&write_height_field(baked.unwrap(), &Default::default()).unwrap()).unwrap()
 }
 
-/// Few pairs of parts are queried, and each at most once.
 #[test]
 fn few_pairs_of_parts_are_queried() {
     let (seed, rounds) = (0xc0_11de, 300);
@@ -169,11 +167,12 @@ fn few_pairs_of_parts_are_queried() {
 #[test]
 fn boxes_grow_with_the_logarithm_of_the_number_of_parts() {
     let near = Pose::from_translation(DVec3::new(0.2, 0.1, 1.3)).unwrap();
+    let low = Pose::from_translation(DVec3::new(0.2, 0.1, 0.45)).unwrap();
     let down = Ray::new(DVec3::new(0.45, 0.4, 9.0), DVec3::NEG_Z).unwrap();
     let passing = Ray::new(DVec3::new(0.2, 0.1, 9.0), DVec3::new(0.1, 0.2, 1.0)).unwrap();
     let (ball, settings, casts) = (Sphere::new(0.5).unwrap(), Settings::default(), CastSettings::default());
-    /// Work of a distance, a ray that hits, and a ray that misses.
-    fn of<P: Tree>(parts: &P, queries: [Query<'_, P>; 3]) -> [[u32; 2]; 3] {
+    /// Work of a distance, a ray that hits, a ray that misses, contacts and manifolds.
+    fn of<P: Tree>(parts: &P, queries: [Query<'_, P>; 5]) -> [[u32; 2]; 5] {
         let counted = Counted::new(parts);
         queries.map(|query| counted.work(true, query))
     }
@@ -185,6 +184,15 @@ fn boxes_grow_with_the_logarithm_of_the_number_of_parts() {
                     &|parts| assert!(crate::distance(parts, &ball, near, &settings, &mut Cache::new()).lower > 0.0),
                     &|parts| assert!(crate::ray(parts, &down, &casts).hit),
                     &|parts| assert!(!crate::ray(parts, &passing, &casts).hit),
+                    &|parts| {
+                        let counts = crate::contacts(parts, &ball, low, &settings, &mut Cache::new(), |_| ());
+                        assert!(counts.hits > 0);
+                    },
+                    &|parts| {
+                        let mut manifolds = CompoundManifolds::new(16);
+                        manifolds.set_welding(false);
+                        assert!(manifolds.update(parts, &ball, low, &ManifoldSettings::default()).touching > 0);
+                    },
                 ],
             )
         };
@@ -193,7 +201,7 @@ fn boxes_grow_with_the_logarithm_of_the_number_of_parts() {
         let half = 0.5 * (side as f64 - 1.0);
         rocks((0..side * side).map(|i| DVec3::new((i % side) as f64 - half, (i / side) as f64 - half, 0.0)), 0.6)
     };
-    let mut kinds: [Vec<[[u32; 2]; 3]>; 3] = Default::default();
+    let mut kinds: [Vec<[[u32; 2]; 5]>; 3] = Default::default();
     for cells in [8, 16, 32] {
         kinds[0].push(work!(&Compound::new(&side(cells))));
     }
@@ -201,14 +209,14 @@ fn boxes_grow_with_the_logarithm_of_the_number_of_parts() {
         kinds[1].push(work!(&grid(cells)));
         kinds[2].push(work!(&field(cells)));
     }
-    println!("parts and boxes of a distance, a hit and a miss: {kinds:?}");
+    println!("parts and boxes of a distance, a hit, a miss, contacts, manifolds: {kinds:?}");
     for counts in &kinds {
         let (first, last) = (counts[0], counts[2]);
-        for query in 0..3 {
+        for query in 0..5 {
             // Up to 256 times as many parts: eight more levels.
             assert!(last[query][1] <= first[query][1] + 64, "{counts:?}");
             // Parts taken, also those that an axis then rules out.
-            assert!(last[query][0] <= [10, 8, 0][query], "{counts:?}");
+            assert!(last[query][0] <= [10, 8, 0, 12, 12][query], "{counts:?}");
         }
     }
 }

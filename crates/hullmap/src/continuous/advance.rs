@@ -64,7 +64,6 @@ const REST: f64 = 0.25;
 const LEAST_REST: f64 = 1e-4;
 const GREATEST_REST: f64 = 0.05;
 
-/// A shape and its motion.
 #[derive(Debug)]
 pub(super) struct Moving<'s, S: ?Sized> {
     pub(super) shape: &'s S,
@@ -105,13 +104,11 @@ impl<S: SupportMap + ?Sized> Moving<'_, S> {
         (self.turns() && part.length_squared() > SMALLEST_PART * SMALLEST_PART).then_some(part)
     }
 
-    /// Where the shape is at time `t`.
     fn place(&self, t: f64) -> Place {
         let pose = self.motion.pose_at(t);
         Place { rotation: pose.rotation_matrix(), origin: pose.translation(), center: self.motion.center_at(t), pose }
     }
 
-    /// A point inside.
     fn inside(&self, place: &Place) -> DVec3 {
         place.rotation * self.shape.interior_point() + place.origin
     }
@@ -153,7 +150,6 @@ pub(super) enum Frame {
     Space,
     /// To A, with which it turns.
     A,
-    /// To B.
     B,
 }
 
@@ -161,7 +157,6 @@ pub(super) enum Frame {
 #[derive(Clone, Copy, Debug)]
 struct Direction {
     frame: Frame,
-    /// In its frame.
     local: DVec3,
     /// The maximum height along it, over the origin of its frame, of the shape with which it turns:
     /// that does not change.
@@ -171,7 +166,6 @@ struct Direction {
     drift: f64,
 }
 
-/// Where a shape is at one time.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     pose: Pose,
@@ -181,7 +175,6 @@ struct Place {
     center: DVec3,
 }
 
-/// Two moving shapes.
 #[derive(Debug)]
 pub(super) struct Approach<'s, A: ?Sized, B: ?Sized> {
     pub(super) a: Moving<'s, A>,
@@ -194,7 +187,6 @@ pub(super) struct Approach<'s, A: ?Sized, B: ?Sized> {
     noises: [f64; 3],
 }
 
-/// Two moving shapes at one time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moment {
     pub(super) t: f64,
@@ -257,7 +249,6 @@ impl<'s, A: SupportMap + ?Sized, B: SupportMap + ?Sized> Approach<'s, A, B> {
         }
     }
 
-    /// Where the shapes are at time `t`.
     pub(super) fn moment_at(&self, t: f64) -> Moment {
         Moment { t, places: [self.a.place(t), self.b.place(t)] }
     }

@@ -10,14 +10,6 @@ use crate::solver::{Cache, Contact, Distance, Settings};
 use crate::support::SupportMap;
 
 /// Limits and accuracy of [`cast_motion`](crate::cast_motion()).
-///
-/// ```
-/// use hullmap::MotionSettings;
-///
-/// // A skin of a millimetre.
-/// let settings = MotionSettings { target_distance: 1e-3, ..MotionSettings::default() };
-/// assert_eq!(settings.max_iterations, 200);
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionSettings {
     /// The shapes meet when their distance is at most this: a length, 0 by default. NaN and
@@ -84,7 +76,6 @@ pub(crate) fn search_pair<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     ImpactSearch::run(pair, ShapeQueries { a, b, settings, cache }, tolerance, goal, window)
 }
 
-/// The queries of two shapes.
 struct ShapeQueries<'q, A: ?Sized, B: ?Sized> {
     a: &'q A,
     b: &'q B,

@@ -15,16 +15,6 @@ use crate::solver::{Cache, Status};
 use crate::support::SupportMap;
 
 /// Settings of [`clear`](crate::clear()).
-///
-/// ```
-/// use hullmap::{ClearSettings, MotionSettings};
-///
-/// // A margin of a centimetre, and whatever clearance the proof happens to have.
-/// let motion = MotionSettings { target_distance: 0.01, ..MotionSettings::default() };
-/// let quick = ClearSettings { motion, share: 0.0 };
-/// assert_eq!(ClearSettings::default().share, 0.5);
-/// # assert_ne!(quick, ClearSettings::default());
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClearSettings {
     /// Settings of the search. Bodies that come within the target distance, the margin, hit each
@@ -44,10 +34,6 @@ impl Default for ClearSettings {
 }
 
 /// Whether a motion is certainly free.
-///
-/// ```
-/// assert_eq!(hullmap::Verdict::Free.as_str(), "free");
-/// ```
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Verdict {

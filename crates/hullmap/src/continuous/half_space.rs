@@ -30,7 +30,6 @@ impl HalfSpace {
     }
 }
 
-/// The queries of a half-space and a shape.
 struct PlaneQueries<'q, B: ?Sized> {
     plane: &'q HalfSpace,
     b: &'q B,

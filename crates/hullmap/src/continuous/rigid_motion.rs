@@ -131,7 +131,6 @@ impl RigidMotion {
         self.velocity
     }
 
-    /// The unit axis of rotation.
     pub(super) fn axis(&self) -> DVec3 {
         self.axis
     }

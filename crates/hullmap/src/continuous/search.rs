@@ -181,7 +181,6 @@ where
         self.end(Status::IterationLimit);
     }
 
-    /// Ends the search where it is.
     fn end(&mut self, status: Status) {
         (self.found.status, self.found.t) = (status, self.found.t_lower);
     }

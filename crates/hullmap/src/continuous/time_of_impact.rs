@@ -85,7 +85,6 @@ impl TimeOfImpact {
         parts: [0; 2],
     };
 
-    /// The same answer with A and B exchanged.
     pub(crate) fn exchanged(self) -> Self {
         let Self { point_a, point_b, parts: [of_a, of_b], .. } = self;
         Self { normal: -self.normal, point_a: point_b, point_b: point_a, parts: [of_b, of_a], ..self }

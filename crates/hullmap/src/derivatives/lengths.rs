@@ -123,26 +123,6 @@ impl Contact {
     /// # Complexity
     /// At most 10 support queries; with a second query, the support queries of a
     /// [`contact`](crate::contact()), and 6 to 20 of each shape. No allocation.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::glam::DVec3;
-    /// use hullmap::shapes::{Cuboid, Sphere};
-    /// use hullmap::{Cache, Differentiability, Pose, Settings, contact};
-    ///
-    /// let (cube, ball) = (Cuboid::new(DVec3::ONE)?, Sphere::new(0.5)?);
-    /// let (settings, mut cache) = (Settings::default(), Cache::new());
-    /// let mut by = |y: f64| {
-    ///     let b_in_a = Pose::from_translation(DVec3::new(0.75, y, 0.25)).expect("in range");
-    ///     let found = contact(&cube, &ball, b_in_a, &settings, &mut cache);
-    ///     found.derivatives(&cube, &ball, b_in_a, &settings, &mut cache)
-    /// };
-    /// assert_eq!(by(0.5).status, Differentiability::Unique);
-    /// assert!(by(0.5).by_b.linear.distance(DVec3::NEG_X) < 1e-9);
-    /// // As deep along y as along x.
-    /// assert_eq!(by(0.75).status, Differentiability::Normals);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn derivatives<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         &self,
         a: &A,
@@ -260,21 +240,6 @@ impl SignedDistance {
     /// # Complexity
     /// The same as for [`Distance::derivatives`] and a point if the point is outside of the shape;
     /// inside, the same as for [`Contact::derivatives`].
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::glam::DVec3;
-    /// use hullmap::shapes::Cuboid;
-    /// use hullmap::{Cache, Differentiability, Settings, signed_distance};
-    ///
-    /// let (cube, settings, mut cache) = (Cuboid::new(DVec3::ONE)?, Settings::default(), Cache::new());
-    /// let point = DVec3::new(0.75, 0.25, 0.0);
-    /// let inside = signed_distance(&cube, point, &settings, &mut cache)?;
-    /// let by = inside.derivatives(&cube, point, &settings, &mut cache);
-    /// assert_eq!(by.status, Differentiability::Unique);
-    /// assert!(by.by_b.linear.distance(DVec3::X) < 1e-9 && by.by_a.linear.distance(DVec3::NEG_X) < 1e-9);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn derivatives<S: SupportMap + ?Sized>(
         &self,
         shape: &S,

@@ -69,7 +69,6 @@ struct FacingFeatures {
     points: ArrayVec<DVec3, 3>,
 }
 
-/// Normal and points of an answer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Refined {
     pub(super) normal: DVec3,
@@ -202,7 +201,6 @@ impl<S: SupportMap + ?Sized> Placed<'_, S> {
     }
 }
 
-/// The equations of two shapes.
 struct System<'p, 's, A: ?Sized, B: ?Sized> {
     a: &'p Placed<'s, A>,
     b: &'p Placed<'s, B>,

@@ -11,14 +11,6 @@ use crate::pose::Pose;
 /// A twist moves the shape by `v` and turns it by the rotation vector `w` about the origin of its
 /// own frame. Both are in the frame of the answer, so the turn is applied on the left of the
 /// shape's rotation. The change is `linear · v + angular · w`, to first order.
-///
-/// # Examples
-/// ```
-/// use hullmap::{Pose, PoseDerivative, glam::DVec3};
-///
-/// let derivative = PoseDerivative { linear: DVec3::X, angular: DVec3::new(0.0, 0.0, 0.5) };
-/// assert_eq!(derivative.to_array(), [1.0, 0.0, 0.0, 0.0, 0.0, 0.5]);
-/// ```
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PoseDerivative {
@@ -112,7 +104,6 @@ impl Default for Derivatives {
 }
 
 impl Derivatives {
-    /// No derivatives.
     pub(super) fn none(status: Differentiability) -> Self {
         Self { status, by_a: PoseDerivative::default(), by_b: PoseDerivative::default() }
     }

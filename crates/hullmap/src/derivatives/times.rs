@@ -87,21 +87,6 @@ impl RayHit {
     ///
     /// # Complexity
     /// 6 to 12 support queries. No allocation.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::glam::DVec3;
-    /// use hullmap::shapes::Cuboid;
-    /// use hullmap::{CastSettings, Differentiability, Ray, ray};
-    ///
-    /// let cube = Cuboid::new(DVec3::ONE)?;
-    /// let down = Ray::new(DVec3::new(0.2, 0.3, 5.0), DVec3::new(0.0, 0.0, -2.0))?;
-    /// let by = ray(&cube, &down, &CastSettings::default()).derivatives(&cube, &down);
-    /// assert_eq!(by.status, Differentiability::Unique);
-    /// // If the ray starts higher by δ, t is greater by δ/2.
-    /// assert!(by.by_b.linear.distance(DVec3::Z * 0.5) < 1e-9);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn derivatives<S: SupportMap + ?Sized>(&self, shape: &S, ray: &Ray) -> Derivatives {
         let direction = ray.direction();
         let answer = Refined { normal: self.normal, points: [self.point, ray.point_at(self.t)] };
@@ -118,22 +103,6 @@ impl Impact {
     ///
     /// # Complexity
     /// 6 to 20 support queries of each shape. No allocation.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::glam::DVec3;
-    /// use hullmap::shapes::{Cuboid, Sphere};
-    /// use hullmap::{Cache, CastSettings, Motion, Pose, cast};
-    ///
-    /// let (wall, ball) = (Cuboid::new(DVec3::new(1.0, 5.0, 5.0))?, Sphere::new(0.5)?);
-    /// let start = Pose::from_translation(DVec3::new(-4.0, 0.5, 0.0))?;
-    /// let right = Motion::new(DVec3::new(4.0, 0.0, 0.0))?;
-    /// let found = cast(&wall, &ball, start, right, &CastSettings::default(), &mut Cache::new());
-    /// let by = found.derivatives(&wall, &ball, start, right);
-    /// // If the ball starts farther to the left, it comes later.
-    /// assert!(by.by_b.linear.distance(DVec3::NEG_X * 0.25) < 1e-6);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn derivatives<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         &self,
         a: &A,
@@ -164,24 +133,6 @@ impl TimeOfImpact {
     ///
     /// # Complexity
     /// 3 to 10 support queries. No allocation.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::glam::DVec3;
-    /// use hullmap::shapes::{Cuboid, Sphere};
-    /// use hullmap::{Cache, MotionSettings, Pose, RigidMotion, cast_motion};
-    ///
-    /// // A rod of length 2 turns about its centre, towards a ball.
-    /// let (rod, ball) = (Cuboid::new(DVec3::new(1.0, 0.01, 0.01))?, Sphere::new(0.1)?);
-    /// let turning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Z * 2.0, DVec3::ZERO)?;
-    /// let still = RigidMotion::still(Pose::from_translation(DVec3::new(0.0, 0.8, 0.0))?);
-    /// let settings = MotionSettings { tolerance: 0.0, ..MotionSettings::default() };
-    /// let found = cast_motion(&rod, &turning, &ball, &still, &settings, &mut Cache::new());
-    /// let by = found.derivatives(&rod, &turning, &ball, &still);
-    /// // A rod that is ahead by an angle meets the ball earlier by half of it.
-    /// assert!((by.by_a.angular.z + 0.5).abs() < 1e-9);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn derivatives<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         &self,
         a: &A,

@@ -126,7 +126,6 @@ fn byte_len(hull: &Hull<'_>) -> usize {
     hull.face_count() * face + hull.vertex_count() * size_of::<PointBlock>() / LANES + edges * size_of::<Edge>()
 }
 
-/// A face with its computed normal.
 struct Face {
     /// Counter-clockwise, seen from outside.
     vertices: Vec<u8>,

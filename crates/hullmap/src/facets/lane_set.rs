@@ -7,7 +7,6 @@ use super::table::LANES;
 pub(crate) struct LaneSet(u64);
 
 impl LaneSet {
-    /// No lane.
     pub(crate) const EMPTY: Self = Self(0);
 
     /// Adds the lanes of a block that are the bits of `lanes`.

@@ -42,9 +42,7 @@ pub(crate) struct PointBlock(pub(crate) [[f32; LANES]; 3]);
 /// An arc of the Gauss map, between the normals of two faces with a common edge.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Edge {
-    /// The two faces.
     pub(crate) faces: [u8; 2],
-    /// A vertex of the edge.
     pub(crate) vertex: u8,
     /// Cosine of the angle between the normals.
     pub(crate) cosine: f32,
@@ -56,7 +54,6 @@ pub(crate) struct FacetTable {
     pub(crate) normals: Box<[NormalBlock]>,
     /// Unit outward normals of the faces in f64. They define the ends of the arcs.
     pub(crate) exact: Box<[DVec3]>,
-    /// The support vertex along each normal.
     pub(crate) supports: Box<[u8]>,
     pub(crate) points: Box<[PointBlock]>,
     /// Each arc once.

@@ -68,7 +68,6 @@ impl<'a> Facets<'a> {
         (half.min_element() > 0.0).then_some(Self(Kind::Cuboid(half)))
     }
 
-    /// Number of faces.
     #[cfg(test)]
     pub(crate) fn face_count(&self) -> usize {
         match self.0 {

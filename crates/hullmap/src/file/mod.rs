@@ -77,7 +77,6 @@ fn pages(len: usize) -> io::Result<memmap2::MmapMut> {
     Ok(pages)
 }
 
-/// A copy of `file`.
 pub(crate) fn copy_of(file: &[u8]) -> Bytes {
     #[cfg(feature = "mmap")]
     if file.len() >= HUGE_PAGES_FROM

@@ -88,14 +88,6 @@ self_cell::self_cell!(
 ///
 /// Cell (column, row) has the index i = row · (columns − 1) + column, and the triangles 2 i and
 /// 2 i + 1. A hole has no triangles, but their indices are reserved.
-///
-/// # Examples
-/// ```
-/// use hullmap::HeightField;
-///
-/// let error = HeightField::open("missing.hullfield").unwrap_err();
-/// assert!(error.to_string().starts_with("missing.hullfield: cannot read the file"));
-/// ```
 #[derive(Debug)]
 pub struct HeightField {
     storage: Storage,
@@ -318,7 +310,6 @@ impl HeightField {
         triangle < self.triangle_count() && !self.sections().is_hole(triangle / 2)
     }
 
-    /// A vertex of the grid.
     #[inline]
     fn point(&self, column: usize, row: usize) -> DVec3 {
         let layout = &self.layout;

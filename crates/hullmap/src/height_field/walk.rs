@@ -38,7 +38,6 @@ const LEVELS: u32 = 6;
 /// Number of a node that the tree does not have.
 const NO_NODE: u32 = u32::MAX;
 
-/// A ray, followed across a field.
 pub(crate) struct Walk<'f, V> {
     field: &'f HeightField,
     ray: BoxedRay,

@@ -25,12 +25,10 @@ const MAX_ENTRY_EDGES: usize = 64;
 /// answer. Steeper planes magnify the rounding errors of normals.
 const LEAST_COSINE: f64 = 0.1;
 
-/// Result of a walk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Walk {
     /// The ray enters the hull at this t.
     Entry(f64),
-    /// The ray misses the hull.
     Miss,
     /// The walk is too long, ends at a steep face, or cannot start.
     Open,

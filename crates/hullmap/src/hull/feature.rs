@@ -115,7 +115,6 @@ impl Shape for Hull<'_> {
     }
 }
 
-/// Requested corners of a face.
 #[derive(Clone, Copy, PartialEq)]
 enum Corners {
     /// Up to [`MAX_CORNERS`].
@@ -327,7 +326,6 @@ fn area(feature: &Feature, normal: DVec3) -> f64 {
     sides.map(|(p, q)| (p.point - origin.point).cross(q.point - origin.point)).sum::<DVec3>().dot(normal).abs()
 }
 
-/// Whether all of `vertices` are corners of the feature.
 fn contains_all(feature: &Feature, mut vertices: impl Iterator<Item = u32>) -> bool {
     vertices.all(|vertex| feature.corners().iter().any(|corner| corner.vertex == vertex))
 }

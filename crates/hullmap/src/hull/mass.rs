@@ -19,10 +19,6 @@ pub enum MassSource {
 
 impl MassSource {
     /// The name: `hulls` or `mesh`.
-    ///
-    /// ```
-    /// assert_eq!(hullmap::MassSource::Mesh.as_str(), "mesh");
-    /// ```
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Hulls => "hulls",
@@ -99,20 +95,6 @@ impl MassProperties {
 
     /// Properties of the solid scaled along the axes of the frame, at the same density. A negative
     /// factor mirrors it.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// use hullmap::glam::DVec3;
-    ///
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// let slab = cube.mass_properties(1.0).scaled(DVec3::new(1.0, 1.0, 0.5));
-    /// assert!((slab.mass - 4.0).abs() < 1e-12);
-    /// assert!((slab.inertia.x_axis.x - 4.0 * (4.0 + 1.0) / 12.0).abs() < 1e-12);
-    /// # }
-    /// ```
     pub fn scaled(&self, scale: DVec3) -> Self {
         // Scaling multiplies each second moment by the factors of its two axes.
         let trace = self.inertia.x_axis.x + self.inertia.y_axis.y + self.inertia.z_axis.z;

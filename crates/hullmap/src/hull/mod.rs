@@ -69,9 +69,7 @@ pub struct Hull<'a> {
     neighbours: &'a [u32_le],
     neighbour_faces: &'a [u32_le],
     record: &'a ArchivedHullRecord,
-    /// The mass of the object's mesh, if it is recorded.
     mesh_mass: Option<&'a ArchivedMassRecord>,
-    /// The voids of the object, if they are recorded.
     voids: Option<&'a ArchivedVoidsRecord>,
     /// The primitive that may replace the hull, if one is recorded.
     primitive: Option<&'a ArchivedPrimitiveRecord>,
@@ -191,7 +189,6 @@ fn mesh_mass<'a>(pack: &Sections<'a>, index: usize, record: &ArchivedHullRecord)
     run(pack.masses, start.mass, end.mass)?.first()
 }
 
-/// The voids of the object of hull `index`.
 fn voids_of<'a>(pack: &Sections<'a>, index: usize, record: &ArchivedHullRecord) -> Option<&'a ArchivedVoidsRecord> {
     let first = u32::try_from(index).ok()?.checked_sub(record.part.to_native())?;
     voids::of_object(pack.voids, first)

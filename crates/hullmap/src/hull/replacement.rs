@@ -32,16 +32,6 @@ impl Hull<'_> {
     ///
     /// # Complexity
     /// O(1).
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert_eq!(cube.primitive(), None);
-    /// # }
-    /// ```
     pub fn primitive(&self) -> Option<Replacement> {
         let record = self.primitive?;
         Some(Replacement {

@@ -75,20 +75,6 @@ impl Pack {
     ///
     /// # Complexity
     /// O(1), one allocation. Clones of the result allocate nothing.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() -> Result<(), hullmap::NoSuchHull> {
-    /// use std::sync::Arc;
-    ///
-    /// let pack: Arc<hullmap::Pack> = Arc::new(pack());
-    /// let cube = pack.shared_hull(1)?;
-    /// drop(pack);
-    /// assert_eq!(cube.hull().name(), "cube");
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn shared_hull(self: &Arc<Self>, index: usize) -> Result<SharedHull, NoSuchHull> {
         SharedHull::new(Arc::clone(self), index)
     }

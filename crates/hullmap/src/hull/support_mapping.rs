@@ -135,20 +135,6 @@ impl Hull<'_> {
 
     /// The same hull, queried with `instructions`; `None` if the processor does not have them. The
     /// answers are the same.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// use hullmap::{Instructions, glam::Vec3};
-    ///
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// if let Some(fast) = cube.with_instructions(Instructions::Avx2) {
-    ///     assert_eq!(fast.support(Vec3::ONE), cube.support(Vec3::ONE));
-    /// }
-    /// # }
-    /// ```
     pub fn with_instructions(mut self, instructions: Instructions) -> Option<Self> {
         self.index.dispatch = Dispatch::detect(instructions)?;
         Some(self)

@@ -70,22 +70,6 @@ impl Pack {
     /// # Complexity
     /// O(number of hulls). No allocation that grows with the file, except for the copies of the
     /// texts. The face tables of small hulls take at most 4 MiB and about 40 ms.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// # let folder = tempfile::tempdir()?;
-    /// # let path = folder.path().join("rock.hullmap");
-    /// # std::fs::write(&path, rock_and_cube())?;
-    /// use hullmap::Pack;
-    ///
-    /// // SAFETY: the file was installed with the program and is never written to again.
-    /// let pack = unsafe { Pack::map_skipping_contents(&path)? };
-    /// assert_eq!(pack.hull_count(), 2);
-    /// # Ok(())
-    /// # }
-    /// ```
     pub unsafe fn map_skipping_contents(path: impl AsRef<Path>) -> Result<Self, OpenError> {
         // SAFETY: the caller upholds the contract of this function, which is the contract of
         // `map_file`.

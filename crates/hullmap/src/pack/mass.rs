@@ -53,18 +53,6 @@ impl Pack {
     ///
     /// # Complexity
     /// O(number of indices), no allocation.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-    /// # fn main() -> Result<(), hullmap::NoSuchHull> {
-    /// # let pack = two_cubes();
-    /// let right = pack.mass_properties_of([1], 1000.0)?;
-    /// assert!((right.mass - 1000.0).abs() < 1e-9 && (right.center_of_mass.x - 3.5).abs() < 1e-12);
-    /// assert!(pack.mass_properties_of([2], 1000.0).is_err());
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn mass_properties_of(
         &self,
         hulls: impl IntoIterator<Item = usize, IntoIter: Clone>,

@@ -178,25 +178,6 @@ impl Pack {
     /// # Complexity
     /// One read and one pass over the file. Besides the copy, memory for the widest level of a
     /// hull's direction index, a few times that level's words.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// # let folder = tempfile::tempdir()?;
-    /// # let path = folder.path().join("rock.hullmap");
-    /// # std::fs::write(&path, rock_and_cube())?;
-    /// use hullmap::Pack;
-    ///
-    /// let pack = Pack::open(&path)?;
-    /// assert_eq!(pack.hull(0)?.name(), "rock");
-    ///
-    /// std::fs::write(&path, "v 0 0 0")?;
-    /// let error = Pack::open(&path).unwrap_err();
-    /// assert!(error.to_string().contains("rock.hullmap: the file is 7 bytes long"));
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
         Self::copy(path.as_ref(), Checks::All)
     }
@@ -238,7 +219,6 @@ impl Pack {
         Self::copy(path.as_ref(), Checks::Sections)
     }
 
-    /// Reads a file into memory of this process and checks it.
     fn copy(path: &Path, checks: Checks) -> Result<Self, OpenError> {
         let invalid = |source: InvalidPack| OpenError::Invalid { path: path.to_owned(), source };
         let (header, bytes) = file::read(path, Some(FileKind::Pack))?;
@@ -424,7 +404,6 @@ impl Pack {
         Hull::new(self.storage.sections(), facets, index).ok_or(NoSuchHull { index, hull_count: self.hull_count() })
     }
 
-    /// Nodes of the BVH over the hulls.
     pub(crate) fn nodes(&self) -> &[ArchivedBvhNode] {
         self.storage.sections().nodes
     }
@@ -437,23 +416,10 @@ impl Pack {
     ///
     /// # Complexity
     /// O(number of hulls). Keep the hull or its index.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() -> Result<(), hullmap::NoHullNamed> {
-    /// let pack: hullmap::Pack = pack();
-    /// assert_eq!(pack.hull_named("cube")?.vertex_count(), 8);
-    /// let error = pack.hull_named("sphere").unwrap_err().to_string();
-    /// assert_eq!(error, "no hull has the name \"sphere\": the pack has 2 (rock, cube)");
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn hull_named(&self, name: &str) -> Result<Hull<'_>, NoHullNamed> {
         self.hulls().find(|hull| hull.name() == name).ok_or_else(|| self.no_hull_named(name))
     }
 
-    /// The error for a name that no hull has.
     pub(crate) fn no_hull_named(&self, name: &str) -> NoHullNamed {
         let names = self.hulls().take(MAX_NAMES).map(|hull| hull.name().to_owned()).collect();
         NoHullNamed { name: name.to_owned(), names, hull_count: self.hull_count() }

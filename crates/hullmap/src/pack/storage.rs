@@ -49,17 +49,14 @@ self_cell::self_cell!(
 pub(super) struct Storage(Cell);
 
 impl Storage {
-    /// Takes the bytes of a file and finds its sections.
     pub(super) fn new(bytes: Bytes) -> Result<Self, CheckError> {
         Cell::try_new(Owner { bytes, texts: OnceLock::new() }, Owner::sections).map(Self)
     }
 
-    /// The whole file.
     pub(super) fn file(&self) -> &[u8] {
         self.0.borrow_owner().bytes.as_slice()
     }
 
-    /// All bytes after the header.
     pub(super) fn payload(&self) -> &[u8] {
         self.0.borrow_owner().bytes.payload()
     }

@@ -25,12 +25,10 @@ pub use intersects::intersects;
 pub use motion::{cast, cast_motion, clear};
 pub use point::{ray, signed_distance};
 
-/// A query of two geometries.
 pub(crate) trait PairQuery: Sized {
     /// The default claims nothing.
     type Answer: Default;
 
-    /// Answers for two convex shapes.
     fn shapes<A: Shape + ?Sized, B: Shape + ?Sized>(self, a: &A, b: &B) -> Self::Answer;
 
     /// Answers for two geometries, at least one of which has parts.
@@ -39,11 +37,10 @@ pub(crate) trait PairQuery: Sized {
     /// Answers for a half-space, and parts or a convex shape.
     fn half_space<B: Parts + ?Sized>(self, a: &HalfSpace, b: &B) -> Self::Answer;
 
-    /// The same with the half-space as B.
+    /// Answers with the half-space as B.
     fn half_space_as_b<A: Parts + ?Sized>(self, a: &A, b: &HalfSpace) -> Self::Answer;
 }
 
-/// Answers a query of any two geometries.
 #[inline(always)]
 pub(crate) fn answer<A, B, Q>(a: &A, b: &B, query: Q) -> Q::Answer
 where

@@ -14,24 +14,6 @@ use glam::DVec3;
 const LEAST_SIDE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// A capsule: all points within a radius of a segment.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Capsule;
-/// use hullmap::{ShapeError, SupportMap};
-///
-/// let capsule = Capsule::new(1.0, 0.25)?;
-/// assert_eq!((capsule.half_length(), capsule.radius()), (1.0, 0.25));
-/// assert_eq!(capsule.support_point(DVec3::Z).point, DVec3::new(0.0, 0.0, 1.25));
-/// assert!(matches!(Capsule::new(1.0, -0.25), Err(ShapeError::Length { .. })));
-///
-/// // Along y, as many engines have it, with its lower end at the origin.
-/// let standing = Capsule::between(DVec3::Y * 0.25, DVec3::Y * 2.25, 0.25)?;
-/// assert_eq!(standing.support_point(DVec3::NEG_Y).point, DVec3::ZERO);
-/// assert_eq!(standing.half_length(), capsule.half_length());
-/// # Ok::<(), ShapeError>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule {
     segment: Segment,

@@ -8,19 +8,6 @@ use crate::support::{FeaturePoint, SupportMap, SupportPoint};
 use glam::DVec3;
 
 /// A cone about z: the base at −`half_height`, the apex at `half_height`.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Cone;
-/// use hullmap::{ShapeError, SupportMap};
-///
-/// let cone = Cone::new(1.0, 0.5)?;
-/// assert_eq!((cone.half_height(), cone.radius()), (1.0, 0.5));
-/// assert_eq!(cone.support_point(DVec3::Z).point, DVec3::Z);
-/// assert_eq!(cone.support_point(DVec3::X).point, DVec3::new(0.5, 0.0, -1.0));
-/// # Ok::<(), ShapeError>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
     half_height: f64,

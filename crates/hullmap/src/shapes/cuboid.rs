@@ -11,19 +11,6 @@ use glam::DVec3;
 /// A box about the origin of its frame, with its edges along the axes.
 ///
 /// Bits 0, 1 and 2 of a corner's vertex id are set where its x, y and z are negative.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Cuboid;
-/// use hullmap::{ShapeError, SupportMap};
-///
-/// let brick = Cuboid::new(DVec3::new(2.0, 1.0, 0.5))?;
-/// assert_eq!(brick.half_edges(), DVec3::new(2.0, 1.0, 0.5));
-/// let corner = brick.support_point(DVec3::new(1.0, -1.0, 1.0));
-/// assert_eq!((corner.point, corner.feature), (DVec3::new(2.0, -1.0, 0.5), 0b010));
-/// # Ok::<(), ShapeError>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     half: DVec3,

@@ -8,18 +8,6 @@ use crate::support::{FeaturePoint, SupportMap, SupportPoint};
 use glam::DVec3;
 
 /// A cylinder about the origin of its frame, along z.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Cylinder;
-/// use hullmap::{ShapeError, SupportMap};
-///
-/// let drum = Cylinder::new(0.5, 1.0)?;
-/// assert_eq!((drum.half_height(), drum.radius()), (0.5, 1.0));
-/// assert_eq!(drum.support_point(DVec3::new(3.0, 0.0, -1.0)).point, DVec3::new(1.0, 0.0, -0.5));
-/// # Ok::<(), ShapeError>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
     half_height: f64,

@@ -7,17 +7,6 @@ use glam::DVec3;
 pub(super) const MAX_LENGTH: f64 = f32::MAX as f64;
 
 /// A shape cannot be made, because a number is invalid.
-///
-/// # Examples
-/// ```
-/// use hullmap::shapes::Sphere;
-///
-/// let error = Sphere::new(-1.0).unwrap_err();
-/// assert_eq!(
-///     error.to_string(),
-///     "radius must be from 0 to 3.4e38, found -1: check where the value comes from"
-/// );
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ShapeError {
     /// A length is NaN, negative or above [`f32::MAX`].

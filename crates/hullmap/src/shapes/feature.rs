@@ -196,20 +196,6 @@ impl Feature {
 /// 8 support queries for a vertex, at most 12 for an edge, and at most [`MAX_CORNERS`] for a face.
 /// If two directions have the same support point, every direction between them has it too, and none
 /// of these is queried.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::{Cuboid, ring};
-/// use hullmap::{Feature, ShapeError};
-///
-/// let cube = Cuboid::new(DVec3::ONE)?;
-/// let mut feature = Feature::new();
-/// ring(&cube, DVec3::new(0.0, 0.001, 1.0), &mut feature);
-/// assert_eq!(feature.corners().len(), 4);
-/// assert!(feature.corners().iter().all(|corner| corner.point.z == 1.0));
-/// # Ok::<(), ShapeError>(())
-/// ```
 pub fn ring<S: SupportMap + ?Sized>(shape: &S, dir: DVec3, out: &mut Feature) {
     let cone = Cone::new(dir, TILT);
     refine(shape, &cone, coarse_ring(shape, &cone), out);
@@ -217,16 +203,6 @@ pub fn ring<S: SupportMap + ?Sized>(shape: &S, dir: DVec3, out: &mut Feature) {
 
 /// Support points in eight directions that are tilted from `dir` to all sides, by the angle whose
 /// tangent is `tilt`.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::{Cuboid, tilted};
-///
-/// let cube = Cuboid::new(DVec3::ONE)?;
-/// assert!(tilted(&cube, DVec3::Z, 0.1).iter().all(|corner| corner.point.z == 1.0));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 pub fn tilted<S: SupportMap + ?Sized>(shape: &S, dir: DVec3, tilt: f64) -> [SupportPoint; COARSE] {
     coarse_ring(shape, &Cone::new(dir, tilt))
 }

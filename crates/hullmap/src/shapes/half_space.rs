@@ -304,13 +304,11 @@ impl HalfSpace {
         Lowest { normal: self.normal, depth, lower, upper, point_b: vertex.b(), support_calls: 1, part: 0 }
     }
 
-    /// Where `ray` first enters the half-space.
     pub(crate) fn ray(&self, ray: &Ray, settings: &CastSettings) -> RayHit {
         let found = self.lowest(&Foot(DVec3::ZERO), Pose::from_checked(ray.origin())).impact(ray.motion(), settings);
         found.ray_hit(if found.hit { ray.point_at(found.t) } else { ray.origin() })
     }
 
-    /// Signed distance of `point` from the plane.
     pub(crate) fn signed_distance(&self, point: DVec3) -> Result<SignedDistance, VectorError> {
         let found = self.lowest(&Foot(DVec3::ZERO), Pose::from_checked(checked("point", point)?));
         let status = if found.overlap() == Overlap::Touching { Status::Touching } else { Status::Exact };

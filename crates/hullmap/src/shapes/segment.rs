@@ -11,19 +11,6 @@ use glam::DVec3;
 /// radius.
 ///
 /// The ends have the vertex ids 0 and 1.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Segment;
-/// use hullmap::{ShapeError, SupportMap};
-///
-/// let wire = Segment::new(DVec3::ZERO, DVec3::new(3.0, 4.0, 0.0))?;
-/// assert_eq!((wire.half_length(), wire.ends()[1].y), (2.5, 4.0));
-/// assert_eq!(wire.support_point(DVec3::NEG_X).point, DVec3::ZERO);
-/// assert!(matches!(Segment::new(DVec3::NAN, DVec3::X), Err(ShapeError::Point { .. })));
-/// # Ok::<(), ShapeError>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
     ends: [DVec3; 2],

@@ -49,23 +49,6 @@ pub trait Shape: SupportMap {
     /// while it rocks. Features within [`TILT`](crate::shapes::TILT) count in any case.
     ///
     /// The default ignores `reach` and calls [`feature`](Self::feature).
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::glam::DVec3;
-    /// use hullmap::shapes::Cuboid;
-    /// use hullmap::{Feature, Shape};
-    ///
-    /// let die = Cuboid::new(DVec3::splat(0.05))?;
-    /// let leaning = DVec3::new(0.1, 0.0, 1.0);
-    /// let mut feature = Feature::new();
-    /// die.feature(leaning, &mut feature);
-    /// assert_eq!(feature.corners().len(), 2);
-    /// // The other edge of the face is one centimetre lower.
-    /// die.feature_within(leaning, 0.02, &mut feature);
-    /// assert_eq!(feature.corners().len(), 4);
-    /// # Ok::<(), hullmap::shapes::ShapeError>(())
-    /// ```
     fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         // The parameter has this name for the documentation.
         let _ = reach;
@@ -80,22 +63,6 @@ pub trait Shape: SupportMap {
     /// a corner lies outside the other feature.
     ///
     /// The default calls [`feature_within`](Self::feature_within).
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// use hullmap::glam::DVec3;
-    /// use hullmap::{Feature, Shape};
-    ///
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// let mut face = Feature::new();
-    /// cube.reduced_feature_within(DVec3::Z, 0.02, &mut face);
-    /// // A face with four corners or fewer is never reduced.
-    /// assert_eq!((face.corners().len(), face.is_reduced()), (4, false));
-    /// # }
-    /// ```
     fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         self.feature_within(dir, reach, out);
     }
@@ -108,22 +75,6 @@ pub trait Shape: SupportMap {
     ///
     /// The default casts the ray by support queries. A hull walks over its faces, which
     /// is faster if the vertex is close.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// use hullmap::glam::DVec3;
-    /// use hullmap::{Ray, Shape, SupportMap};
-    ///
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// let ray = Ray::new(cube.interior_point() + DVec3::Z * 5.0, DVec3::NEG_Z).expect("finite");
-    /// let top = cube.support_point(DVec3::Z);
-    /// let t = cube.entry(&ray, top.feature).expect("the ray hits the cube");
-    /// assert!((ray.point_at(t).z - top.point.z).abs() < 1e-9);
-    /// # }
-    /// ```
     fn entry(&self, ray: &Ray, near: u32) -> Option<f64> {
         // The parameter has this name for the documentation.
         let _ = near;
@@ -133,18 +84,6 @@ pub trait Shape: SupportMap {
 
     /// The corners, if the shape is a triangle. Queries of meshes use them to rule triangles out
     /// before they search. The default is `None`.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::Shape;
-    /// use hullmap::glam::DVec3;
-    /// use hullmap::shapes::{Sphere, Triangle};
-    ///
-    /// let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
-    /// assert_eq!(Triangle::new(corners)?.triangle(), Some(corners));
-    /// assert_eq!(Sphere::new(1.0)?.triangle(), None);
-    /// # Ok::<(), hullmap::ShapeError>(())
-    /// ```
     fn triangle(&self) -> Option<[DVec3; 3]> {
         None
     }

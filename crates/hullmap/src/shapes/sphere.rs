@@ -8,18 +8,6 @@ use crate::support::{SupportMap, SupportPoint};
 use glam::DVec3;
 
 /// A sphere about the origin of its frame.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Sphere;
-/// use hullmap::{ShapeError, SupportMap};
-///
-/// let ball = Sphere::new(2.0)?;
-/// assert_eq!(ball.radius(), 2.0);
-/// assert_eq!(ball.support_point(DVec3::new(0.0, -7.0, 0.0)).point, DVec3::new(0.0, -2.0, 0.0));
-/// # Ok::<(), ShapeError>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     radius: f64,

@@ -134,7 +134,6 @@ static NO_BLOCK: ArchivedBlock = ArchivedBlock {
     vertex: [u32_le::from_native(0); LANES],
 };
 
-/// Maximum dot product so far, and its candidate.
 struct Best {
     dot: f64,
     block: usize,

@@ -4,18 +4,6 @@ use glam::{DVec3, Vec3};
 
 /// An axis-aligned box that contains a shape, in the frame that its pose maps to and in the shape's
 /// unit.
-///
-/// # Examples
-/// ```
-/// use hullmap::Bounds;
-/// use hullmap::glam::DVec3;
-///
-/// let bounds = Bounds { min: DVec3::splat(-0.1), max: DVec3::new(1.0, 2.0, 0.3) };
-/// let [min, max] = bounds.to_f32();
-/// // 0.3 is not an f32. The box grows to the next one.
-/// assert!(f64::from(max.z) > 0.3 && f64::from(min.x) < -0.1);
-/// assert_eq!(max.x, 1.0);
-/// ```
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bounds {

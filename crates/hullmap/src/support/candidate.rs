@@ -10,7 +10,6 @@ pub(crate) struct Candidate<'a> {
 }
 
 impl Candidate<'_> {
-    /// Vertex index and position.
     #[inline(always)]
     #[expect(clippy::indexing_slicing, reason = "`lane` is taken modulo the number of lanes")]
     pub(crate) fn read(self) -> (u32, [f32; 3]) {

@@ -349,7 +349,6 @@ impl<'a> Index<'a> {
         best(Portable, self.leaf(dir).blocks, dir, self.reach)
     }
 
-    /// Cost of the support query in direction `dir`.
     pub(crate) fn cost(&self, dir: [f32; 3]) -> Cost {
         if cube::IN_RANGE.contains(&cube::largest(dir)) {
             self.leaf(dir).cost()

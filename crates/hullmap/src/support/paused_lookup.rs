@@ -12,7 +12,6 @@ pub struct Lookup {
     /// Index of a word, the slot that refers to a node, or the first block and, in `path`, the
     /// number of blocks.
     pub(crate) at: u32,
-    /// Number of nodes above.
     pub(crate) nodes: u16,
     pub(crate) kind: LookupKind,
 }
@@ -26,7 +25,6 @@ pub(crate) enum LookupKind {
     Uniform,
     /// Planes, a fan or a list of blocks.
     Node,
-    /// The leaf is known.
     Leaf,
     /// Nothing: the whole look-up is still to be done, and is not interrupted.
     Whole,

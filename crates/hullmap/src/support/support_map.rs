@@ -17,20 +17,6 @@ const BOUND_UNITS: [f64; 3] = [25.0, 64.0, 2.0];
 
 /// Support point of a shape: a point of the shape with the maximum dot product with the query
 /// direction.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Cuboid;
-/// use hullmap::{SupportMap, SupportPoint};
-///
-/// let cube = Cuboid::new(DVec3::ONE)?;
-/// let SupportPoint { point, feature } = cube.support_point(DVec3::new(1.0, 2.0, -3.0));
-/// assert_eq!(point, DVec3::new(1.0, 1.0, -1.0));
-/// // A cuboid numbers its vertices by the signs of their coordinates.
-/// assert_eq!(feature, 0b100);
-/// # Ok::<(), hullmap::ShapeError>(())
-/// ```
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SupportPoint {

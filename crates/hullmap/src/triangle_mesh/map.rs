@@ -25,24 +25,6 @@ impl TriangleMesh {
     ///
     /// # Complexity
     /// A few passes over the file, without a copy.
-    ///
-    /// # Examples
-    /// ```
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// use hullmap::TriangleMesh;
-    /// # use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
-    /// # let positions = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0]];
-    /// # let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners: &[[0, 1, 2]], materials: &[] })?;
-    /// # let folder = tempfile::tempdir()?;
-    /// # let path = folder.path().join("level.hullmesh");
-    /// # std::fs::write(&path, write_triangle_mesh(baked, &Default::default())?)?;
-    ///
-    /// // SAFETY: the file was installed with the program and is never written to again.
-    /// let level = unsafe { TriangleMesh::map(&path)? };
-    /// assert_eq!(level.triangle_count(), 1);
-    /// # Ok(())
-    /// # }
-    /// ```
     pub unsafe fn map(path: impl AsRef<Path>) -> Result<Self, OpenError> {
         // SAFETY: the caller upholds the contract of this function, which is the contract of
         // `open`.

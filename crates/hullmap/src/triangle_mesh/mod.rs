@@ -74,14 +74,6 @@ self_cell::self_cell!(
 );
 
 /// A static triangle mesh, opened. See the [module](self).
-///
-/// # Examples
-/// ```
-/// use hullmap::TriangleMesh;
-///
-/// let error = TriangleMesh::open("missing.hullmesh").unwrap_err();
-/// assert!(error.to_string().starts_with("missing.hullmesh: cannot read the file"));
-/// ```
 #[derive(Debug)]
 pub struct TriangleMesh {
     storage: Storage,
@@ -92,15 +84,6 @@ pub struct TriangleMesh {
 
 /// A mesh is not closed: one of its edges does not have exactly two triangles with the front on the
 /// same side.
-///
-/// # Examples
-/// ```
-/// use hullmap::EdgeClass;
-/// use hullmap::triangle_mesh::OpenSurface;
-///
-/// let error = OpenSurface { triangle: 7, source_triangle: 3, edge: EdgeClass::NonManifold };
-/// assert!(error.to_string().contains("triangle 7 (3 in the source) is non-manifold"));
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "the surface is not closed: an edge of triangle {triangle} ({source_triangle} in the source) is {}; close the mesh, or \

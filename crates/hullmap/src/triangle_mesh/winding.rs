@@ -27,10 +27,8 @@ use super::TriangleMesh;
 /// Coordinates below this count as 0: products with the smallest ones of f32 would underflow.
 pub(crate) const TINY: f64 = 1e-60;
 
-/// Where a point is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Place {
-    /// On a triangle.
     On,
     /// Beside the surface, which winds around the point this many times, counter-clockwise seen
     /// from the front.
@@ -39,7 +37,6 @@ pub(crate) enum Place {
 
 /// The ray from a point along an axis, with the coordinates turned so that it is the first one.
 struct AxisRay {
-    /// Number of the axis.
     axis: usize,
     /// Whether the ray goes down.
     is_down: bool,
@@ -68,7 +65,6 @@ impl AxisRay {
         }
     }
 
-    /// Whether the ray may meet a box.
     fn meets(&self, corners: [DVec3; 2]) -> bool {
         let [[x0, y0, z0], [x1, y1, z1]] = corners.map(|corner| self.turned(corner.to_array()));
         let [x, y, z] = self.point;

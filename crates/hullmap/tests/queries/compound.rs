@@ -23,23 +23,12 @@ pub(crate) fn pack(count: usize, radius: f64, seed: u64) -> Pack {
     let parts = (0..count).map(|number| {
         let place = rng.direction().map(|c| c * radius * rng.between(0.3, 1.0));
         let family = [Family::Rock, Family::CubeGrid, Family::Lens, Family::Cone][number % 4];
-        (family.points(40, number as u64), 0.15 + 0.25 * rng.between(0.0, 1.0), place)
+        let size = 0.15 + 0.25 * rng.between(0.0, 1.0);
+        let placed = |p: &[f32; 3]| std::array::from_fn(|i| (f64::from(p[i]) * size + place[i]) as f32);
+        let points: Vec<[f32; 3]> = family.points(40, number as u64).iter().map(placed).collect();
+        point_set(&number.to_string(), &points)
     });
-    of_parts(parts)
-}
-
-/// Points, and their size and place.
-type Placed = (Vec<[f32; 3]>, f64, [f64; 3]);
-
-/// A pack of these parts.
-fn of_parts(parts: impl Iterator<Item = Placed>) -> Pack {
-    let sets: Vec<_> = parts
-        .enumerate()
-        .map(|(number, (points, size, place))| {
-            let placed = |p: &[f32; 3]| std::array::from_fn(|i| (f64::from(p[i]) * size + place[i]) as f32);
-            point_set(&number.to_string(), &points.iter().map(placed).collect::<Vec<_>>())
-        })
-        .collect();
+    let sets: Vec<_> = parts.collect();
     Pack::from_bytes(&packs::bytes(&sets, IndexKind::Tree, &SourceRecord::default()).unwrap()).unwrap()
 }
 
@@ -178,25 +167,6 @@ fn contacts_agree_with_all_pairs_and_contact_is_the_deepest() {
     }
     println!("{touching} of {tried} in contact, {met} pairs");
     assert!((tried * 3 / 10..=tried * 7 / 10).contains(&touching), "{touching} of {tried}");
-}
-
-#[test]
-fn a_hull_is_a_compound_of_one() {
-    let (a, b) = (pack(4, 1.0, 1), pack(9, 1.0, 7));
-    let whole = Compound::new(&b);
-    let mut hits = 0;
-    for pose in poses(600, 2.4, SEED + 3) {
-        for hull in a.hulls() {
-            let one = Compound::from(hull);
-            assert_eq!(one.hull_count(), 1);
-            let fast = hullmap::intersects(&one, &whole, pose, &mut Cache::with_pairs(1));
-            let turned = hullmap::intersects(&whole, &one, pose.inverse(), &mut Cache::with_pairs(1));
-            let slow = b.hulls().any(|other| hullmap::intersects(&hull, &other, pose, &mut Cache::new()).is_hit());
-            assert_eq!([fast.is_hit(), turned.is_hit()], [slow; 2]);
-            hits += usize::from(slow);
-        }
-    }
-    assert!((250..2_000).contains(&hits), "{hits}");
 }
 
 /// The cache of other compounds with more hulls never leads to a hull that does not exist.
@@ -545,31 +515,6 @@ fn casts_agree_with_all_pairs() {
 }
 
 #[test]
-fn casts_at_rest_and_overlapping_ones() {
-    let (a, b) = (pack(6, 1.0, 50), pack(4, 1.0, 51));
-    let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
-    let (settings, mut hits) = (CastSettings::default(), 0);
-    let poses = poses(200, 2.0, SEED + 50);
-    for pose in &poses {
-        let overlaps = hullmap::intersects(&whole_a, &whole_b, *pose, &mut Cache::new()).is_hit();
-        for velocity in [DVec3::ZERO, DVec3::X * 1e-300, DVec3::Y, DVec3::Z * 1e30] {
-            let motion = Motion::new(velocity).unwrap();
-            let cache = &mut Cache::new();
-            let found = hullmap::cast(&whole_a, &whole_b, *pose, motion, &settings, cache);
-            if overlaps {
-                assert!(found.status == Status::Overlapping && found.t == 0.0 && found.t_upper == 0.0, "{found:?}");
-            } else if velocity == DVec3::ZERO {
-                assert!(!found.hit && found.t == f64::INFINITY, "{found:?}");
-            } else {
-                assert!(!found.hit || found.t_upper > 0.0, "{found:?}");
-            }
-        }
-        hits += usize::from(overlaps);
-    }
-    assert!((60..140).contains(&hits), "{hits} of {} overlap", poses.len());
-}
-
-#[test]
 fn rays_and_half_space_casts_agree_with_all_parts() {
     let settings = CastSettings::default();
     let (mut hits, mut tried, mut queried, mut all) = (0, 0, 0, 0);
@@ -638,59 +583,4 @@ fn a_ball_that_grazes_a_part_meets_it_before_the_part_behind() {
     let found = hullmap::cast(&Compound::new(&pack), ball, start, down, &settings, &mut Cache::new());
     assert!(found.hit && found.status == Status::Stalled, "{found:?}");
     assert!((found.t - 4.0).abs() < 0.5 && found.t_upper > 6.4, "{found:?}");
-}
-
-/// A sheet of `side` × `side` rocks, which overlap slightly.
-fn sheet(side: usize) -> Pack {
-    of_parts((0..side * side).map(|number| {
-        let [x, y] = [number % side, number / side].map(|at| at as f64 - (side as f64 - 1.0) * 0.5);
-        (Family::Rock.points(32, number as u64 % 16), 0.6, [x, y, 0.0])
-    }))
-}
-
-/// A rock touches as many parts of a large sheet as of a small one, and so does the corner of
-/// another sheet. So the pairs of parts stay few, and the pairs of boxes grow as the depth of the
-/// trees: the work is counted, not timed.
-#[test]
-fn work_grows_with_the_logarithm_of_the_number_of_parts() {
-    let rock = sheet(1);
-    let settings = Settings::default();
-    let mut counts: Vec<[[f64; 3]; 2]> = Vec::new();
-    for side in [4, 8, 16, 32] {
-        let large = sheet(side);
-        let whole = Compound::new(&large);
-        let half = (side as f64 - 1.0) * 0.5;
-        counts.push([false, true].map(|against_itself| {
-            let single = Compound::new(&rock);
-            let other = if against_itself { &whole } else { &single };
-            let mut rng = SplitMix64::new(SEED);
-            let mut work = [0.0; 3];
-            for _ in 0..100 {
-                let reach = half - 1.0;
-                let over = DVec3::new(rng.between(-reach, reach), rng.between(-reach, reach), 0.0);
-                let mut rotation = DQuat::from_rotation_z(rng.between(0.0, 6.0));
-                let mut corner = DVec3::ZERO;
-                if against_itself {
-                    rotation = rotation * DQuat::from_rotation_x(0.5) * DQuat::from_rotation_y(0.5);
-                    corner = rotation * DVec3::new(half, -half, 0.0);
-                }
-                let at = |height: f64| Pose::new(over + DVec3::Z * height - corner, rotation).unwrap();
-                let gap = hullmap::distance(&whole, other, at(1.3), &settings, &mut Cache::new());
-                let manifolds =
-                    CompoundManifolds::new(64).update(&whole, other, at(0.85), &ManifoldSettings::default());
-                work[0] += f64::from(gap.support_calls) / 100.0;
-                work[1] += f64::from(manifolds.pairs) / 100.0;
-                work[2] += f64::from(manifolds.boxes) / 100.0;
-            }
-            work
-        }));
-    }
-    println!("support queries of distances, pairs and boxes of manifolds: {counts:.1?}");
-    for kind in 0..2 {
-        let [small, .., large] = counts.as_slice() else { panic!("several sizes") };
-        let (small, large) = (small[kind], large[kind]);
-        // Sixty-four times as many parts: ten levels of each tree instead of four.
-        assert!(large[0] <= 2.5 * small[0] && large[1] <= 1.5 * small[1], "{kind}: {counts:.1?}");
-        assert!(large[2] <= 3.0 * small[2], "{kind}: {counts:.1?}");
-    }
 }

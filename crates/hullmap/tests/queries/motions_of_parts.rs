@@ -6,9 +6,7 @@ use std::f64::consts::PI;
 use crate::compound::{pack, pairings, pairs};
 use glam::{DQuat, DVec3};
 use hullmap::shapes::{Cuboid, HalfSpace, Sphere};
-use hullmap::{
-    Cache, Compound, Hull, MotionSettings, Pose, RigidMotion, Settings, Shape, Status, TimeOfImpact, cast_motion,
-};
+use hullmap::{Cache, Compound, Hull, MotionSettings, Pose, RigidMotion, Shape, Status, TimeOfImpact, cast_motion};
 use shapes::rng::SplitMix64;
 
 const SEED: u64 = 0x7075;
@@ -97,39 +95,6 @@ fn compounds_meet_when_the_first_of_their_pairs_does() {
     assert!(queries * 4 < all_queries, "{queries} of {all_queries}");
 }
 
-/// Until the lower bound, the compounds are apart at every time, by distance queries.
-#[test]
-fn compounds_are_apart_until_the_lower_bound() {
-    let (mut rng, a, b) = (SplitMix64::new(SEED + 1), pack(8, 1.0, 11), pack(9, 1.2, 12));
-    let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
-    let mut cache = Cache::new();
-    let mut judged = 0;
-    for number in 0..80 {
-        let (motion_a, motion_b) = (motion(&mut rng, 1.0), motion(&mut rng, 4.0));
-        let target_distance = [0.0, 0.05, 0.5][number % 3];
-        let settings = MotionSettings { target_distance, ..settings(5_000) };
-        let found = hullmap::cast_motion(&whole_a, &motion_a, &whole_b, &motion_b, &settings, &mut cache);
-        let mut gap = |t: f64| {
-            let b_in_a = Pose::relative(motion_a.pose_at(t), motion_b.pose_at(t)).unwrap();
-            hullmap::distance(&whole_a, &whole_b, b_in_a, &Settings::default(), &mut cache)
-        };
-        let until = if found.hit { found.t_lower } else { 1.0 };
-        for sample in 0..100 {
-            let t = until * f64::from(sample) / 100.0;
-            if t < until {
-                judged += 1;
-                let gap = gap(t);
-                assert!(gap.upper > target_distance, "{number}, seed {SEED:#x}: at {t} {gap:?}; {found:?}");
-            }
-        }
-        if found.t_upper <= 1.0 {
-            let gap = gap(found.t_upper);
-            assert!(gap.lower <= target_distance, "{number}: {gap:?}; {found:?}");
-        }
-    }
-    assert!(judged > 3_000, "{judged}");
-}
-
 /// Height of the lowest vertex of a hull over a plane at time `t`, by a scan.
 fn height(plane: &HalfSpace, motion: &RigidMotion, hulls: &[Hull<'_>], motion_b: &RigidMotion, t: f64) -> f64 {
     let b_in_plane = motion.pose_at(t).inverse().compose(motion_b.pose_at(t)).unwrap();
@@ -212,30 +177,6 @@ fn a_half_space_turns_into_a_ball() {
         let found = cast_motion(&door, &spinning, ball, &still, &settings(20_000), &mut Cache::new());
         assert!(!found.hit, "{angle}: {found:?}");
     }
-}
-
-#[test]
-fn settings_out_of_range_are_harmless() {
-    let (a, b) = (pack(3, 1.0, 31), pack(3, 1.0, 32));
-    let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
-    let falling = RigidMotion::between(
-        Pose::from_translation(DVec3::new(0.1, 0.0, 8.0)).unwrap(),
-        Pose::from_translation(DVec3::new(0.1, 0.2, -8.0)).unwrap(),
-    )
-    .unwrap();
-    let still = RigidMotion::still(Pose::IDENTITY);
-    let run = |settings: MotionSettings| {
-        hullmap::cast_motion(&whole_a, &still, &whole_b, &falling, &settings, &mut Cache::with_pairs(2))
-    };
-    let expected = run(MotionSettings::default());
-    assert_eq!(expected.status, Status::Within, "{expected:?}");
-    for wrong in [f64::NAN, -1.0, f64::NEG_INFINITY] {
-        assert_eq!(run(MotionSettings { target_distance: wrong, ..MotionSettings::default() }), expected);
-        let found = run(MotionSettings { tolerance: wrong, ..MotionSettings::default() });
-        assert!(found.t_lower <= expected.t_upper && expected.t_lower <= found.t_upper, "{found:?}");
-    }
-    let found = run(MotionSettings { target_distance: f64::INFINITY, ..MotionSettings::default() });
-    assert_eq!((found.status, found.t), (Status::Overlapping, 0.0));
 }
 
 /// A plate of a compound and a floor, far from the origin and at all sizes.

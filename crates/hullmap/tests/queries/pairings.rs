@@ -227,107 +227,6 @@ pub fn all<'a>(packs: &'a [(&'static str, Pack)]) -> Vec<(&'static str, Box<dyn 
     all
 }
 
-/// Minimum support value of A − B over many directions, including the normals of the answers,
-/// followed by a descent from the best one. It is an upper bound of the depth.
-fn sampled_depth(
-    a: &(dyn Shape + Sync),
-    b: &(dyn Shape + Sync),
-    pose: Pose,
-    rng: &mut SplitMix64,
-    starts: [DVec3; 2],
-) -> f64 {
-    let value = |n: DVec3| {
-        let n = n.normalize();
-        let on_b = b.support_point(pose.inverse_transform_vector(-n)).point;
-        a.support_point(n).point.dot(n) - pose.transform_point(on_b).dot(n)
-    };
-    let mut best = (value(starts[0]), starts[0]);
-    for i in 0..200 {
-        let n = if i == 0 { starts[1] } else { rng.unit_vector() };
-        if value(n) < best.0 {
-            best = (value(n), n);
-        }
-    }
-    let mut step = 0.3;
-    while step > 1e-6 {
-        let found = (0..12).map(|_| (best.1 + rng.unit_vector() * step).normalize()).map(|n| (value(n), n));
-        match found.min_by(|p, q| p.0.total_cmp(&q.0)) {
-            Some(found) if found.0 < best.0 => best = found,
-            _ => step *= 0.6,
-        }
-    }
-    best.0
-}
-
-#[test]
-fn every_pairing_against_samples() {
-    println!("seed {SEED:#x}");
-    let packs = packs();
-    let shapes = all(&packs);
-    let settings = Settings::default();
-    let mut rng = SplitMix64::new(SEED + 2);
-    let (mut hits, mut total) = (0, 0);
-    for (name_a, a) in &shapes {
-        for (name_b, b) in &shapes {
-            for i in 0..12 {
-                let (way, turn) = (rng.unit_vector(), rng.rotation());
-                // A distance along the line of the interior points at which half of the pairs are
-                // separated.
-                let reach = a.support_point(way).point.dot(way)
-                    - b.support_point(turn.inverse() * -way).point.dot(turn.inverse() * way);
-                let pose = Pose::new(way * reach * [0.3, 0.8, 0.97, 1.03, 1.3, 2.0][i % 6], turn).unwrap();
-                for way in 0..2 {
-                    let at = format!("{name_a}, {name_b}, pose {i} {pose:?}, way {way}");
-                    let (c, d, y) = if way == 0 {
-                        (
-                            contact(&Faceless(&**a), &Faceless(&**b), pose, &settings, &mut Cache::new()),
-                            distance(&Faceless(&**a), &Faceless(&**b), pose, &settings, &mut Cache::new()),
-                            intersects(&Faceless(&**a), &Faceless(&**b), pose, &mut Cache::new()),
-                        )
-                    } else {
-                        (
-                            contact(&**a, &**b, pose, &settings, &mut Cache::new()),
-                            distance(&**a, &**b, pose, &settings, &mut Cache::new()),
-                            intersects(&**a, &**b, pose, &mut Cache::new()),
-                        )
-                    };
-                    let sampled = sampled_depth(&**a, &**b, pose, &mut rng, [c.normal, d.normal]);
-                    let at = format!("{at}, sampled {sampled:e}: {c:?} {d:?} {y:?}");
-                    total += 1;
-                    let is_open = matches!(c.status, Status::IterationLimit | Status::Stalled);
-                    let both_curved = [name_a, name_b].iter().all(|name| name.contains("sphere"));
-                    assert!(way == 0 || !is_open || !both_curved, "{at}");
-                    let error = 1e-12;
-                    assert!(y.status != Overlap::Undecided, "{at}");
-                    if sampled < -error {
-                        assert!(!c.hit && !y.is_hit(), "{at}");
-                        // The gap along any direction is a lower bound of the distance, and the
-                        // distance of any two points an upper bound.
-                        assert!(-sampled <= d.upper + error, "{at}");
-                        assert!(d.upper <= -sampled * (1.0 + 3e-4) + 1e-7, "{at}");
-                        let witness_distance = d.point_a.distance(d.point_b);
-                        assert!(
-                            d.lower <= witness_distance + error && (witness_distance - d.distance).abs() <= 1e-9,
-                            "{at}"
-                        );
-                    } else {
-                        hits += usize::from(c.hit);
-                        assert!(c.hit && y.is_hit(), "{at}");
-                        assert!(c.depth_lower <= sampled + error, "{at}");
-                        if matches!(c.status, Status::Exact | Status::Within) {
-                            assert!(c.depth_upper <= sampled * (1.0 + 3e-5) + 1e-9, "{at}");
-                        }
-                        check_contact(&**a, &**b, pose, &c, error, &at);
-                    }
-                }
-            }
-        }
-    }
-    let share = f64::from(hits as u32) / f64::from(total);
-    // A quarter of the shapes is flat, and those rarely meet each other.
-    assert!((0.25..0.7).contains(&share), "not representative: {share} of the pairs overlap");
-}
-
 fn moved(x: f64, y: f64, z: f64) -> Pose {
     Pose::from_translation(DVec3::new(x, y, z)).unwrap()
 }
@@ -390,29 +289,6 @@ fn parallel_faces_and_edges_and_vertices() {
     let pose = Pose::new(up.inverse() * (DVec3::Z * (2.0 * 2_f64.sqrt() - 0.1)), up.inverse() * across).unwrap();
     let c = solve(&cube, &cube, pose);
     assert!((c.depth - 0.1).abs() < 1e-6 && c.normal.distance(up.inverse() * DVec3::Z) < 1e-6, "{c:?}");
-}
-
-/// A needle through a plate that is ten thousand times as wide as thick.
-#[test]
-fn needle_in_plate() {
-    let plate = Cuboid::new(DVec3::new(1.0, 1.0, 1e-4)).unwrap();
-    let needle = tree_pack(&Family::Needle.points(100, 1));
-    let needle = needle.hull(0).unwrap();
-    let along = needle.bounds()[1] - needle.bounds()[0];
-    assert!(along.max_element() > 100.0 * along.min_element());
-    let axis = (0..3).max_by(|i, j| along[*i].total_cmp(&along[*j])).unwrap();
-    let upright = DQuat::from_rotation_arc(DVec3::AXES[axis], DVec3::Z);
-    let thin = Capsule::new(1.0, 1e-4).unwrap();
-    for (shape, turn) in [(&needle as &(dyn Shape + Sync), upright), (&thin, DQuat::IDENTITY)] {
-        for lean in [0.0, 0.3] {
-            let pose = Pose::new(DVec3::new(0.05, 0.1, 0.02), DQuat::from_rotation_x(lean) * turn).unwrap();
-            let c = solve(&plate, shape, pose);
-            let sampled = sampled_depth(&plate, shape, pose, &mut SplitMix64::new(SEED), [c.normal; 2]);
-            assert!(c.hit && c.depth_lower <= sampled && c.depth_upper <= sampled * 1.0001, "{sampled}: {c:?}");
-            let beside = Pose::new(DVec3::new(1.5, 1.3, 0.0), pose.rotation()).unwrap();
-            assert!(!solve(&plate, shape, beside).hit);
-        }
-    }
 }
 
 /// A pebble on a body ten thousand times its size, far from the origin, in units at both ends of

@@ -3,7 +3,7 @@
 mod failure_modes;
 pub mod shapes;
 
-use self::shapes::{Ball, Cuboid, PointCloud};
+use self::shapes::PointCloud;
 use crate::any_shape::{contact, distance, intersects};
 use ::shapes::rng::SplitMix64;
 use glam::{DQuat, DVec3};
@@ -147,91 +147,6 @@ fn random_pairs_against_brute_force() {
     assert_eq!(converged, PAIRS - hits, "distances that did not converge");
 }
 
-#[test]
-fn two_cubes_by_face_edge_and_vertex() {
-    let cube = Cuboid(DVec3::ONE);
-    let settings = Settings::default();
-    let quarter = std::f64::consts::FRAC_PI_4;
-    let edge_on = DQuat::from_rotation_z(quarter);
-    // With a vertex in front: the body diagonal is rotated onto the x axis.
-    let vertex_on = DQuat::from_rotation_arc(DVec3::ONE.normalize(), DVec3::NEG_X);
-    for (rotation, reach) in [(DQuat::IDENTITY, 1.0), (edge_on, 2.0_f64.sqrt()), (vertex_on, 3.0_f64.sqrt())] {
-        for gap in [-0.25, -1e-3, -1e-9, 1e-9, 1e-3, 0.5] {
-            let pose = Pose::new(DVec3::X * (1.0 + reach + gap), rotation).unwrap();
-            let yes = intersects(&cube, &cube, pose, &mut Cache::new());
-            assert_eq!(yes.is_hit(), gap < 0.0, "{gap} {yes:?}");
-            let c = contact(&cube, &cube, pose, &settings, &mut Cache::new());
-            let d = distance(&cube, &cube, pose, &settings, &mut Cache::new());
-            if gap < 0.0 {
-                assert!(c.hit && (c.depth + gap).abs() < 1e-13, "{gap} {c:?}");
-                assert!(c.normal.distance(DVec3::X) < 1e-5, "{c:?}");
-                assert!((c.point_a.x - 1.0).abs() < 1e-13 && (c.point_b.x - (1.0 + gap)).abs() < 1e-13, "{c:?}");
-                assert_eq!((d.status, d.distance), (Status::Overlapping, 0.0));
-            } else {
-                assert!(!c.hit && (d.distance - gap).abs() < 1e-5 * gap + 1e-13, "{gap} {d:?}");
-                assert!(d.normal.distance(DVec3::X) < 5e-3, "{d:?}");
-                assert!((d.point_a.x - 1.0).abs() < 1e-13, "{d:?}");
-            }
-        }
-    }
-}
-
-#[test]
-fn normal_points_from_a_to_b() {
-    // B on each side of A, separated and penetrating, and not only along +x.
-    let (a, b) = (Cuboid(DVec3::ONE), Cuboid(DVec3::splat(0.5)));
-    for axis in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z] {
-        let beside = DVec3::new(0.1, 0.2, 0.3) * (DVec3::ONE - axis.abs());
-        let penetrating = Pose::from_translation(axis * 1.25 + beside).unwrap();
-        let c = contact(&a, &b, penetrating, &Settings::default(), &mut Cache::new());
-        assert!(c.normal.distance(axis) < 1e-13 && (c.depth - 0.25).abs() < 1e-13, "{c:?}");
-        let separated = Pose::from_translation(axis * 2.0 + beside).unwrap();
-        let d = distance(&a, &b, separated, &Settings::default(), &mut Cache::new());
-        assert!(d.normal.distance(axis) < 1e-6 && (d.distance - 0.5).abs() < 1e-13, "{d:?}");
-        assert!((d.point_b - d.point_a - axis * 0.5).length() < 1e-13, "{d:?}");
-        let c = contact(&a, &b, separated, &Settings::default(), &mut Cache::new());
-        assert!(!c.hit && c.normal.dot(axis) > 0.0, "{c:?}");
-    }
-}
-
-#[test]
-fn pairs_of_balls() {
-    let mut rng = SplitMix64::new(SEED + 1);
-    let (mut hits, mut calls) = (0, 0);
-    for i in 0..2000 {
-        let ball = |rng: &mut SplitMix64| Ball {
-            center: rng.unit_vector(),
-            radius: rng.between(0.1, 2.0),
-            has_inner_ball: i % 2 == 0,
-        };
-        let (a, b) = (ball(&mut rng), ball(&mut rng));
-        let pose = rng.pose(3.0);
-        let between = pose.transform_point(b.center) - a.center;
-        let gap = between.length() - a.radius - b.radius;
-        let (c, d) = (
-            contact(&a, &b, pose, &Settings::default(), &mut Cache::new()),
-            distance(&a, &b, pose, &Settings::default(), &mut Cache::new()),
-        );
-        assert_eq!(intersects(&a, &b, pose, &mut Cache::new()).is_hit(), gap < 0.0, "{i} {gap}");
-        assert_eq!(c.hit, gap < 0.0, "{i} {gap} {c:?}");
-        if gap < 0.0 {
-            hits += 1;
-            assert!(c.depth_lower <= -gap && -gap <= c.depth_upper, "{i} {gap} {c:?}");
-            if a.has_inner_ball {
-                calls += c.support_calls;
-                assert!(
-                    (c.depth + gap).abs() < 1e-12 && c.normal.distance(between.normalize()) < 1e-12,
-                    "{i} {gap} {c:?}"
-                );
-            }
-        } else {
-            assert!(d.lower <= gap && gap <= d.upper && d.upper - d.lower < 1e-5 * d.upper + 1e-13, "{i} {gap} {d:?}");
-        }
-    }
-    assert!((600..1400).contains(&hits), "{hits} of 2000 pairs overlap");
-    assert!(calls < hits, "a contact of balls with a known inner ball takes one support call: {calls}");
-}
-
 /// More iterations only narrow the interval, and it always contains the depth or the distance. The
 /// limit is a status.
 #[test]
@@ -279,75 +194,6 @@ fn more_iterations_narrow_the_interval() {
     assert!(widths[1..].is_sorted_by(|wide, narrow| wide >= narrow) && widths[6] < 1e-2 * widths[1], "{widths:?}");
     assert!(too_large * 4 > hits, "{too_large} of {hits}: EPA would be pointless");
     assert!(limited * 2 > 3 * hits && far_limited * 4 > misses, "{limited} of {hits}, {far_limited} of {misses}");
-}
-
-/// Poses along a path from separated to penetrating to separated, about 1 degree per step.
-fn trajectory(rng: &mut SplitMix64) -> Vec<Pose> {
-    let (start, axis) = (rng.rotation(), rng.unit_vector());
-    let (from, beside) = (rng.unit_vector() * 2.0, rng.unit_vector() * 0.3);
-    (0..100)
-        .map(|i| {
-            let t = f64::from(i) / 99.0;
-            let turn = DQuat::from_axis_angle(axis, f64::from(i).to_radians());
-            Pose::new(from * (1.0 - 2.0 * t) + beside, turn * start).unwrap()
-        })
-        .collect()
-}
-
-#[test]
-fn warm_and_cold_answers_agree() {
-    let settings = Settings::default();
-    let mut rng = SplitMix64::new(SEED + 3);
-    let (mut hits, mut total) = (0, 0);
-    let mut calls = [[0; 2]; 3];
-    // One cache also serves all pairs: the memory of another pair must do no harm.
-    let mut shared = Cache::new();
-    for pair in 0..40 {
-        let n = [6, 12, 100, 400][pair % 4];
-        let (a, b) = (PointCloud::random(&mut rng, n, true), PointCloud::random(&mut rng, n, true));
-        let mut warm = [const { None::<Cache> }; 3].map(|_| Cache::new());
-        for pose in trajectory(&mut rng) {
-            total += 1;
-            let at = format!("pair {pair}, {pose:?}");
-            let cold = intersects(&a, &b, pose, &mut Cache::new());
-            hits += usize::from(cold.is_hit());
-            for cache in [&mut warm[0], &mut shared] {
-                let got = intersects(&a, &b, pose, cache);
-                assert_eq!(got.status, cold.status, "{at}");
-                calls[0][0] += got.support_calls;
-            }
-            calls[0][1] += 2 * cold.support_calls;
-
-            let cold = distance(&a, &b, pose, &settings, &mut Cache::new());
-            for cache in [&mut warm[1], &mut shared] {
-                let got = distance(&a, &b, pose, &settings, cache);
-                assert_eq!(got.status == Status::Overlapping, cold.status == Status::Overlapping, "{at}");
-                assert!(got.lower <= cold.upper && cold.lower <= got.upper, "{at} {got:?} {cold:?}");
-                assert!(got.upper - got.lower <= 1.01e-5 * got.upper + 1e-12, "{at} {got:?}");
-                calls[1][0] += got.support_calls;
-            }
-            calls[1][1] += 2 * cold.support_calls;
-
-            let cold = contact(&a, &b, pose, &settings, &mut Cache::new());
-            for cache in [&mut warm[2], &mut shared] {
-                let got = contact(&a, &b, pose, &settings, cache);
-                assert_eq!(got.hit, cold.hit, "{at}");
-                assert!(
-                    got.depth_lower <= cold.depth_upper && cold.depth_lower <= got.depth_upper,
-                    "{at} {got:?} {cold:?}"
-                );
-                assert!((got.depth - cold.depth).abs() <= 1e-5 * cold.depth + 1e-12, "{at} {got:?} {cold:?}");
-                calls[2][0] += got.support_calls;
-            }
-            calls[2][1] += 2 * cold.support_calls;
-        }
-    }
-    let share = hits as f64 / total as f64;
-    assert!((0.3..0.7).contains(&share), "not representative: {share} of the poses overlap");
-    println!("support calls, warm and cold: intersects, distance, contact {calls:?}");
-    for [warm, cold] in calls {
-        assert!(f64::from(warm) < 0.6 * f64::from(cold), "the cache saves too little: {calls:?}");
-    }
 }
 
 /// Points of a small grid, with many duplicate, collinear and coplanar points. The rank is 0 to 3.

@@ -3,10 +3,9 @@
 
 mod body_manifold;
 mod height_field;
-mod height_field_seams;
 mod manifold_points;
 mod meshes;
 mod one_sided;
+mod seams;
 mod surface;
-mod tiles;
 mod triangle_mesh;

@@ -74,70 +74,27 @@ where
     }
 }
 
-/// parry requires these methods of every dispatcher. They call `HullDispatcher`.
+/// Methods that call `HullDispatcher`. parry requires them of every dispatcher.
+macro_rules! delegate {
+    ($($method:ident($($argument:ident: $type:ty),*) -> $answer:ty;)*) => {
+        $(fn $method(&self, $($argument: $type),*) -> Result<$answer, Unsupported> {
+            HullDispatcher.$method($($argument),*)
+        })*
+    };
+}
+
 impl QueryDispatcher for PartDispatcher<'_> {
-    fn intersection_test(
-        &self,
-        pos12: &Pose,
-        shape1: &dyn Shape,
-        shape2: &dyn Shape,
-    ) -> Result<ShapeIntersection, Unsupported> {
-        HullDispatcher.intersection_test(pos12, shape1, shape2)
-    }
-
-    fn distance(&self, pos12: &Pose, shape1: &dyn Shape, shape2: &dyn Shape) -> Result<ShapeDistance, Unsupported> {
-        HullDispatcher.distance(pos12, shape1, shape2)
-    }
-
-    fn contact(
-        &self,
-        pos12: &Pose,
-        shape1: &dyn Shape,
-        shape2: &dyn Shape,
-        prediction: Real,
-    ) -> Result<Option<Contact>, Unsupported> {
-        HullDispatcher.contact(pos12, shape1, shape2, prediction)
-    }
-
-    fn closest_points(
-        &self,
-        pos12: &Pose,
-        shape1: &dyn Shape,
-        shape2: &dyn Shape,
-        max_dist: Real,
-    ) -> Result<ClosestPoints, Unsupported> {
-        HullDispatcher.closest_points(pos12, shape1, shape2, max_dist)
-    }
-
-    fn cast_shapes(
-        &self,
-        pos12: &Pose,
-        local_vel12: Vector,
-        shape1: &dyn Shape,
-        shape2: &dyn Shape,
-        options: ShapeCastOptions,
-    ) -> Result<Option<ShapeCastHit>, Unsupported> {
-        HullDispatcher.cast_shapes(pos12, local_vel12, shape1, shape2, options)
-    }
-
-    fn cast_shapes_nonlinear(
-        &self,
-        motion1: &NonlinearRigidMotion,
-        shape1: &dyn Shape,
-        motion2: &NonlinearRigidMotion,
-        shape2: &dyn Shape,
-        start_time: Real,
-        end_time: Real,
-        stop_at_penetration: bool,
-    ) -> Result<Option<ShapeCastHit>, Unsupported> {
-        HullDispatcher.cast_shapes_nonlinear(
-            motion1,
-            shape1,
-            motion2,
-            shape2,
-            start_time,
-            end_time,
-            stop_at_penetration,
-        )
+    delegate! {
+        intersection_test(pos12: &Pose, shape1: &dyn Shape, shape2: &dyn Shape) -> ShapeIntersection;
+        distance(pos12: &Pose, shape1: &dyn Shape, shape2: &dyn Shape) -> ShapeDistance;
+        contact(pos12: &Pose, shape1: &dyn Shape, shape2: &dyn Shape, prediction: Real) -> Option<Contact>;
+        closest_points(pos12: &Pose, shape1: &dyn Shape, shape2: &dyn Shape, max_dist: Real) -> ClosestPoints;
+        cast_shapes(
+            pos12: &Pose, velocity12: Vector, shape1: &dyn Shape, shape2: &dyn Shape, options: ShapeCastOptions
+        ) -> Option<ShapeCastHit>;
+        cast_shapes_nonlinear(
+            motion1: &NonlinearRigidMotion, shape1: &dyn Shape, motion2: &NonlinearRigidMotion, shape2: &dyn Shape,
+            start_time: Real, end_time: Real, stop_at_penetration: bool
+        ) -> Option<ShapeCastHit>;
     }
 }

@@ -45,8 +45,7 @@ where
             memory.update(pos12, &pair, prediction, manifolds);
             return Ok(());
         }
-        let split = Split { pos12, shapes: [shape1, shape2], prediction };
-        if !split.has_parts() {
+        if !has_parts([shape1, shape2]) {
             return DefaultQueryDispatcher.contact_manifolds(pos12, shape1, shape2, prediction, manifolds, workspace);
         }
         let body = match (shape1.as_shape::<BakedHull>(), shape2.as_shape::<BakedHull>()) {
@@ -55,7 +54,7 @@ where
             _ => None,
         };
         let before = body.as_ref().map(|body| body.points(manifolds)).unwrap_or_default();
-        split.update_parts(manifolds, workspace)?;
+        Split { pos12, shapes: [shape1, shape2], prediction, manifolds, workspace }.update()?;
         if let Some(body) = body {
             body.thin(manifolds, &before, prediction);
         }
@@ -113,80 +112,65 @@ where
     Ok(())
 }
 
-struct Split<'s> {
+/// Whether parry splits one of the shapes, and passes the parts to a given dispatcher.
+fn has_parts(shapes: [&dyn Shape; 2]) -> bool {
+    let [composite1, composite2] = shapes.map(|shape| shape.as_composite_shape().is_some());
+    if composite1 && composite2 {
+        return true;
+    }
+    match shapes.map(|shape| shape.shape_type()) {
+        [ShapeType::Voxels, ShapeType::Voxels | ShapeType::Ball] | [ShapeType::Ball, ShapeType::Voxels] => false,
+        types => {
+            let is_split = |shape| matches!(shape, ShapeType::TriMesh | ShapeType::HeightField | ShapeType::Voxels);
+            composite1 || composite2 || types.into_iter().any(is_split)
+        }
+    }
+}
+
+/// An update of the manifolds of two shapes, at least one of which has parts.
+struct Split<'s, M, C> {
     pos12: &'s Pose,
     shapes: [&'s dyn Shape; 2],
     prediction: Real,
+    manifolds: &'s mut Vec<ContactManifold<M, C>>,
+    workspace: &'s mut Option<ContactManifoldsWorkspace>,
 }
 
-impl Split<'_> {
-    /// Whether parry splits one of the shapes, and passes the parts to a given dispatcher.
-    fn has_parts(&self) -> bool {
-        let [composite1, composite2] = self.shapes.map(|shape| shape.as_composite_shape().is_some());
-        if composite1 && composite2 {
-            return true;
-        }
-        match self.shapes.map(|shape| shape.shape_type()) {
-            [ShapeType::Voxels, ShapeType::Voxels | ShapeType::Ball] | [ShapeType::Ball, ShapeType::Voxels] => false,
-            types => {
-                let is_split = |shape| matches!(shape, ShapeType::TriMesh | ShapeType::HeightField | ShapeType::Voxels);
-                composite1 || composite2 || types.into_iter().any(is_split)
-            }
-        }
-    }
-
-    fn update_parts<M, C>(
-        &self,
-        manifolds: &mut Vec<ContactManifold<M, C>>,
-        workspace: &mut Option<ContactManifoldsWorkspace>,
-    ) -> Result<(), Unsupported>
-    where
-        M: Default + Clone + Send + Sync,
-        C: Default + Copy + Send + Sync,
-    {
-        let Self { pos12, shapes: [shape1, shape2], prediction } = *self;
-        let (composite1, composite2) = (shape1.as_composite_shape(), shape2.as_composite_shape());
-        if let (Some(composite1), Some(composite2)) = (composite1, composite2) {
-            default::contact_manifolds_composite_shape_composite_shape(
+impl<M, C> Split<'_, M, C>
+where
+    M: Default + Clone + Send + Sync,
+    C: Default + Copy + Send + Sync,
+{
+    fn update(self) -> Result<(), Unsupported> {
+        let Self { pos12, shapes: [shape1, shape2], prediction, .. } = self;
+        match (self.shapes.map(|shape| shape.as_composite_shape()), self.shapes.map(|shape| shape.shape_type())) {
+            ([Some(composite1), Some(composite2)], _) => default::contact_manifolds_composite_shape_composite_shape(
                 &PartDispatcher::new(shape1, shape2),
                 pos12,
                 composite1,
                 composite2,
                 prediction,
-                manifolds,
-                workspace,
-            );
-            return Ok(());
-        }
-        match (shape1.shape_type(), shape2.shape_type()) {
-            (ShapeType::TriMesh, _) | (_, ShapeType::TriMesh) => default::contact_manifolds_trimesh_shape_shapes(
+                self.manifolds,
+                self.workspace,
+            ),
+            (_, [ShapeType::TriMesh, _] | [_, ShapeType::TriMesh]) => default::contact_manifolds_trimesh_shape_shapes(
                 &HullDispatcher,
                 pos12,
                 shape1,
                 shape2,
                 prediction,
-                manifolds,
-                workspace,
+                self.manifolds,
+                self.workspace,
             ),
-            (ShapeType::HeightField, _) | (_, ShapeType::HeightField) => {
-                return self.update_height_field(manifolds, workspace);
-            }
-            (ShapeType::Voxels, _) | (_, ShapeType::Voxels) => self.update_voxels(manifolds, workspace),
-            _ => self.update_composite(manifolds, workspace),
+            (_, [ShapeType::HeightField, _] | [_, ShapeType::HeightField]) => return self.update_height_field(),
+            (_, [ShapeType::Voxels, _] | [_, ShapeType::Voxels]) => self.update_voxels(),
+            _ => self.update_composite(),
         }
         Ok(())
     }
 
-    fn update_height_field<M, C>(
-        &self,
-        manifolds: &mut Vec<ContactManifold<M, C>>,
-        workspace: &mut Option<ContactManifoldsWorkspace>,
-    ) -> Result<(), Unsupported>
-    where
-        M: Default + Clone + Send + Sync,
-        C: Default + Copy + Send + Sync,
-    {
-        let Self { pos12, shapes: [shape1, shape2], prediction } = *self;
+    fn update_height_field(self) -> Result<(), Unsupported> {
+        let Self { pos12, shapes: [shape1, shape2], prediction, manifolds, workspace } = self;
         let (composite1, composite2) = (shape1.as_composite_shape(), shape2.as_composite_shape());
         if composite1.is_none() && composite2.is_none() {
             default::contact_manifolds_heightfield_shape_shapes(
@@ -222,15 +206,8 @@ impl Split<'_> {
         Ok(())
     }
 
-    fn update_voxels<M, C>(
-        &self,
-        manifolds: &mut Vec<ContactManifold<M, C>>,
-        workspace: &mut Option<ContactManifoldsWorkspace>,
-    ) where
-        M: Default + Clone + Send + Sync,
-        C: Default + Copy + Send + Sync,
-    {
-        let Self { pos12, shapes: [shape1, shape2], prediction } = *self;
+    fn update_voxels(self) {
+        let Self { pos12, shapes: [shape1, shape2], prediction, manifolds, workspace } = self;
         let has_composite = shape1.as_composite_shape().is_some() || shape2.as_composite_shape().is_some();
         let update = if has_composite {
             default::contact_manifolds_voxels_composite_shape_shapes
@@ -240,15 +217,8 @@ impl Split<'_> {
         update(&HullDispatcher, pos12, shape1, shape2, prediction, manifolds, workspace);
     }
 
-    fn update_composite<M, C>(
-        &self,
-        manifolds: &mut Vec<ContactManifold<M, C>>,
-        workspace: &mut Option<ContactManifoldsWorkspace>,
-    ) where
-        M: Default + Clone + Send + Sync,
-        C: Default + Copy + Send + Sync,
-    {
-        let Self { pos12, shapes: [shape1, shape2], prediction } = *self;
+    fn update_composite(self) {
+        let Self { pos12, shapes: [shape1, shape2], prediction, manifolds, workspace } = self;
         let (composite1, composite2) = (shape1.as_composite_shape(), shape2.as_composite_shape());
         let pos21 = pos12.inverse();
         let is_second = composite1.is_none();

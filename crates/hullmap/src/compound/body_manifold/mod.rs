@@ -138,23 +138,19 @@ struct Scratch {
     polygons: [Vec<usize>; 3],
 }
 
-/// A point that may be chosen.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     point: BodyPoint,
-    /// Index of its manifold.
     member: usize,
     /// The point of the last frame that it is.
     last: Option<usize>,
 }
 
-/// The candidates of a group.
 #[derive(Clone, Copy, Debug, Default)]
 struct Group {
     index: usize,
     /// Where the corners of its hull begin among all of them, and how many they are.
     corners: [usize; 2],
-    /// The deepest candidate.
     deepest: usize,
     /// Least depth of a point that may stand for the deepest one.
     deep: f64,
@@ -239,7 +235,6 @@ impl BodyManifold {
     }
 }
 
-/// Collects the points of all manifolds.
 fn collect(manifolds: &CompoundManifolds, members: &mut Vec<Member>, candidates: &mut Vec<Candidate>) {
     members.clear();
     candidates.clear();
@@ -286,7 +281,6 @@ fn find_last(last: &[BodyPoint], same_place: f64, taken: &mut Vec<bool>, candida
     }
 }
 
-/// All manifolds and their points.
 struct Places<'p> {
     members: &'p [Member],
     candidates: &'p [Candidate],
@@ -304,7 +298,6 @@ impl Places<'_> {
         self.candidates.get(index).map_or(BodyPoint::EMPTY, |candidate| candidate.point)
     }
 
-    /// Place of a candidate in the plane of a group.
     fn place(&self, group: &Group, index: usize) -> DVec2 {
         group.over(self.point(index).point.point_b)
     }

@@ -108,7 +108,6 @@ pub(super) fn span(corners: &[usize], at: impl Fn(usize) -> DVec2) -> Span {
     Span { area, length }
 }
 
-/// Area that points span.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Span {
     area: f64,
@@ -125,13 +124,9 @@ impl Span {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use shapes::rng::SplitMix64;
 
-    /// A pseudo-random number from 0 to 1.
-    fn random(seed: &mut u64) -> f64 {
-        *seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (*seed >> 40) as f64 / 2_f64.powi(24)
-    }
+    use super::*;
 
     fn corners(places: &[DVec2]) -> Vec<usize> {
         let mut order: Vec<usize> = (0..places.len()).collect();
@@ -144,12 +139,12 @@ mod tests {
     /// half-plane: by brute force over all lines through two points.
     #[test]
     fn corners_are_those_of_brute_force() {
-        let mut seed = 7;
+        let mut rng = SplitMix64::new(7);
         for round in 0..500 {
             let count = 1 + round % 12;
             // Few places, so that many points are equal or on a line.
-            let place = |seed: &mut u64| (random(seed) * 5.0).floor();
-            let places: Vec<DVec2> = (0..count).map(|_| DVec2::new(place(&mut seed), place(&mut seed))).collect();
+            let mut place = || (rng.unit() * 5.0).floor();
+            let places: Vec<DVec2> = (0..count).map(|_| DVec2::new(place(), place())).collect();
             let found = corners(&places);
             let inside = |p: DVec2| {
                 // In a segment or a triangle of other places.
@@ -183,13 +178,12 @@ mod tests {
     /// Regular polygons are the worst known, and random ones lose less.
     #[test]
     fn seven_corners_keep_seven_tenths_of_the_area() {
-        let (mut seed, mut worst) = (3, f64::INFINITY);
+        let (mut rng, mut worst) = (SplitMix64::new(3), f64::INFINITY);
         for count in 8..200 {
             for regular in [true, false] {
-                let angle = |i: usize, seed: &mut u64| {
-                    std::f64::consts::TAU * if regular { i as f64 / count as f64 } else { random(seed) }
-                };
-                let places: Vec<DVec2> = (0..count).map(|i| DVec2::from_angle(angle(i, &mut seed))).collect();
+                let mut share = |i: usize| if regular { f64::from(i as u32) / f64::from(count) } else { rng.unit() };
+                let places: Vec<DVec2> =
+                    (0..count as usize).map(|i| DVec2::from_angle(std::f64::consts::TAU * share(i))).collect();
                 let mut left = corners(&places);
                 let all = span(&left, |i| places[i]);
                 let kept = left[left.len() / 2];

@@ -202,10 +202,8 @@ mod tests {
         less: u32,
     }
 
-    /// The matrix of [`Operations`].
     const ROWS: [[f32; 3]; 3] = [[0.5, 0.25, -1.5], [-0.75, 0.1, 0.3], [1.1, -0.2, 0.7]];
 
-    /// The threshold of compared values.
     const THRESHOLD: f32 = 0.25;
 
     impl<const N: usize> Pass for Operations<'_, N> {

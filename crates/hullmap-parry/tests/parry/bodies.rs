@@ -17,6 +17,7 @@ pub fn pose(rng: &mut SplitMix64, distance: f64) -> Pose {
     Pose::from_parts((DVec3::from_array(rng.direction()) * distance).as_vec3(), turn.as_quat())
 }
 
+#[cfg(feature = "dispatcher")]
 pub fn wide_pose(pose: &Pose) -> hullmap::Pose {
     hullmap::Pose::from_f32(pose.translation, pose.rotation).unwrap()
 }
@@ -26,6 +27,7 @@ pub fn hull(points: &[[f32; 3]]) -> BakedHull {
 }
 
 /// Vertices of a hull, in the frame that `pose` maps to.
+#[cfg(feature = "dispatcher")]
 pub fn vertices(hull: &BakedHull, pose: &Pose) -> Vec<DVec3> {
     let pose = wide_pose(pose);
     hull.hull().vertices().map(|v| pose.transform_point(v.as_dvec3())).collect()

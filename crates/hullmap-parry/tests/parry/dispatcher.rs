@@ -1,15 +1,11 @@
 //! `HullDispatcher` against brute force in f64, and against parry's dispatcher on polyhedra of the
 //! same vertices.
-#![cfg(feature = "dispatcher")]
 
-use std::sync::Arc;
-
-use hullmap::glam::{DQuat, DVec3};
+use hullmap::glam::DVec3;
 use hullmap_parry::{BakedHull, HullDispatcher};
 use hullmap_random::SplitMix64;
 use hullmap_testkit::depth::signed_depth;
 use hullmap_testkit::gap::gap;
-use hullmap_testkit::packs;
 use hullmap_testkit::polytope::Polytope;
 use parry3d::math::{IVector, Pose, Vector};
 use parry3d::query::details::ShapeCastOptions;
@@ -22,25 +18,10 @@ use parry3d::shape::{
 };
 use shapes::families;
 
-fn baked(points: &[[f32; 3]]) -> BakedHull {
-    BakedHull::new(Arc::new(packs::tree_pack(points)).shared_hull(0).unwrap())
-}
-
-fn rotation(rng: &mut SplitMix64) -> DQuat {
-    DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize()
-}
-
-fn pose(rng: &mut SplitMix64, distance: f64) -> Pose {
-    let turn = rotation(rng);
-    Pose::from_parts((DVec3::from_array(rng.direction()) * distance).as_vec3(), turn.as_quat())
-}
-
-fn wide_pose(pose: &Pose) -> hullmap::Pose {
-    hullmap::Pose::from_f32(pose.translation, pose.rotation).unwrap()
-}
+use crate::bodies::{hull, pose, wide_pose};
 
 /// Every primitive that a hull can meet, about 1 in size, with its name.
-fn primitives() -> Vec<(&'static str, SharedShape)> {
+pub fn primitives() -> Vec<(&'static str, SharedShape)> {
     let corners = [Vector::new(-1.0, 0.0, -0.5), Vector::new(1.0, 0.1, -0.5), Vector::new(0.0, -0.1, 1.0)];
     let [a, b, c] = corners;
     vec![
@@ -66,7 +47,7 @@ fn primitives() -> Vec<(&'static str, SharedShape)> {
 
 #[test]
 fn two_hulls_agree_with_brute_force() {
-    let (a, b) = (baked(&families::rock(60, 1)), baked(&families::prism(16, 1)));
+    let (a, b) = (hull(&families::rock(60, 1)), hull(&families::prism(16, 1)));
     let solids = [&a, &b].map(|hull| Polytope::new(hull.hull()));
     let mut rng = SplitMix64::new(1);
     let mut hits = 0;
@@ -102,7 +83,7 @@ fn two_hulls_agree_with_brute_force() {
 /// In both orders, with points and normals of either shape.
 #[test]
 fn primitives_agree_with_parry() {
-    let hull = baked(&families::rock(200, 3));
+    let hull = hull(&families::rock(200, 3));
     let polyhedron = hull.to_convex_polyhedron().unwrap();
     let mut rng = SplitMix64::new(2);
     for (name, shape) in primitives() {
@@ -140,7 +121,7 @@ fn primitives_agree_with_parry() {
 
 #[test]
 fn half_spaces_agree_with_the_lowest_vertex() {
-    let hull = baked(&families::rock(200, 3));
+    let hull = hull(&families::rock(200, 3));
     let plane = HalfSpace::new(Vector::Y);
     let mut rng = SplitMix64::new(3);
     for _ in 0..100 {
@@ -157,7 +138,7 @@ fn half_spaces_agree_with_the_lowest_vertex() {
 
 #[test]
 fn casts_agree_with_parry() {
-    let hull = baked(&families::rock(200, 3));
+    let hull = hull(&families::rock(200, 3));
     let polyhedron = hull.to_convex_polyhedron().unwrap();
     let mut rng = SplitMix64::new(4);
     for target_distance in [0.0, 0.1] {
@@ -201,7 +182,7 @@ fn voxels() -> Voxels {
 /// Overlaps and casts agree with one cuboid of the same extent.
 #[test]
 fn voxels_are_boxes() {
-    let (hull, voxels) = (baked(&families::rock(100, 1)), voxels());
+    let (hull, voxels) = (hull(&families::rock(100, 1)), voxels());
     let slab = Compound::new(vec![(
         Pose::translation(0.0, -0.5, 0.0),
         SharedShape::new(Cuboid::new(Vector::new(5.0, 0.5, 5.0))),
@@ -233,7 +214,7 @@ fn voxels_are_boxes() {
 /// The points of shapes that moved by less than a millimetre stay where they are on both shapes.
 #[test]
 fn shapes_that_hardly_move_keep_their_points() {
-    let (slab, cube) = (Cuboid::new(Vector::new(5.0, 1.0, 5.0)), baked(&families::cube_grid(8, 1)));
+    let (slab, cube) = (Cuboid::new(Vector::new(5.0, 1.0, 5.0)), hull(&families::cube_grid(8, 1)));
     let half = cube.compute_local_aabb().half_extents().y;
     let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
     let mut workspace = None;
@@ -253,7 +234,7 @@ fn shapes_that_hardly_move_keep_their_points() {
 /// the part of a compound, and the data of a point stays with it.
 #[test]
 fn manifolds_of_a_resting_cube() {
-    let cube = baked(&families::cube_grid(8, 1));
+    let cube = hull(&families::cube_grid(8, 1));
     let compound = Compound::new(vec![(Pose::IDENTITY, cube.clone().into())]);
     for body in [&cube as &dyn Shape, &compound] {
         rest(body, &cube);
@@ -270,7 +251,7 @@ fn rest(body: &dyn Shape, cube: &BakedHull) {
     let heights = parry3d::utils::Array2::repeat(4, 4, 0.0);
     let floors: Vec<(&str, SharedShape, Pose)> = vec![
         ("cuboid", slab.clone(), down),
-        ("hull", baked(&families::prism(64, 1)).scaled(Vector::new(5.0, 5.0, 1.0)).unwrap().into(), {
+        ("hull", hull(&families::prism(64, 1)).scaled(Vector::new(5.0, 5.0, 1.0)).unwrap().into(), {
             Pose::new(Vector::new(0.0, -1.0, 0.0), Vector::X * -std::f32::consts::FRAC_PI_2)
         }),
         ("half-space", SharedShape::new(HalfSpace::new(Vector::Y)), Pose::IDENTITY),
@@ -319,7 +300,7 @@ fn rest(body: &dyn Shape, cube: &BakedHull) {
 /// Queries of a compound agree with its nearest part.
 #[test]
 fn compounds_answer_as_their_nearest_part() {
-    let (hull, rock) = (baked(&families::rock(100, 1)), baked(&families::rock(100, 2)));
+    let (hull, rock) = (hull(&families::rock(100, 1)), hull(&families::rock(100, 2)));
     let places = [Pose::translation(-3.0, 0.0, 0.0), Pose::translation(3.0, 0.5, 0.0)];
     let parts = places.map(|place| (place, SharedShape::new(hull.clone())));
     let compound = Compound::new(parts.to_vec());
@@ -361,7 +342,7 @@ fn compounds_answer_as_their_nearest_part() {
 /// Queries with numbers that are not finite, or sizes of zero, end. Their answers are unspecified.
 #[test]
 fn invalid_numbers_are_harmless() {
-    let hull = baked(&families::rock(50, 1));
+    let hull = hull(&families::rock(50, 1));
     for bad in [f32::NAN, f32::INFINITY, 0.0] {
         for (_, shape) in primitives() {
             let pose = Pose::translation(bad, 1.0, 0.0);

@@ -1,20 +1,19 @@
 //! The shape traits of baked hulls against brute force over vertices and faces in f64, and against
 //! parry's own polyhedron of the same vertices.
 
-use std::sync::Arc;
-
-use hullmap::Pack;
-use hullmap::glam::{DMat3, DQuat, DVec3};
+use hullmap::glam::DVec3;
 use hullmap_parry::BakedHull;
 use hullmap_random::SplitMix64;
-use hullmap_testkit::{gap::gap, packs, polytope::Polytope};
+use hullmap_testkit::{entry::passage_of_point, gap::gap, polytope::Polytope, reach::Reach};
 use parry3d::bounding_volume::BoundingVolume;
-use parry3d::math::{Pose, Vector};
+use parry3d::math::Vector;
 use parry3d::query::{PointQuery, Ray, RayCast};
 use parry3d::shape::{
     ConvexPolyhedron, FeatureId, PolygonalFeature, PolygonalFeatureMap, Shape, SharedShape, SupportMap,
 };
 use shapes::families;
+
+use crate::bodies::{hull as baked, pose};
 
 /// A baked hull, its vertices and outward normals in f64, and parry's polyhedron.
 struct Case {
@@ -24,12 +23,8 @@ struct Case {
     parry: ConvexPolyhedron,
 }
 
-fn pack(points: &[[f32; 3]]) -> Arc<Pack> {
-    Arc::new(packs::tree_pack(points))
-}
-
 fn case(name: &'static str, points: &[[f32; 3]], scale: Vector) -> Case {
-    let hull = BakedHull::new(pack(points).shared_hull(0).unwrap()).scaled(scale).unwrap();
+    let hull = baked(points).scaled(scale).unwrap();
     let mut solid = Polytope::new(hull.hull());
     let factors = wide(scale);
     solid.points.iter_mut().for_each(|p| *p *= factors);
@@ -58,11 +53,6 @@ fn narrow(v: DVec3) -> Vector {
     v.as_vec3()
 }
 
-fn pose(rng: &mut SplitMix64) -> Pose {
-    let rotation = DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize();
-    Pose::from_parts(narrow(DVec3::from_array(rng.direction()) * 3.0), rotation.as_quat())
-}
-
 impl Case {
     fn size(&self) -> f64 {
         self.solid.greatest()
@@ -70,25 +60,14 @@ impl Case {
 
     /// Signed distance to the surface by planes, exact inside; outside a lower bound.
     fn beyond_planes(&self, p: DVec3) -> f64 {
-        let reach = |n: DVec3| self.solid.points.iter().map(|v| v.dot(n)).fold(f64::NEG_INFINITY, f64::max);
-        self.solid.normals.iter().map(|n| p.dot(*n) - reach(*n)).fold(f64::NEG_INFINITY, f64::max)
+        self.solid.normals.iter().map(|n| p.dot(*n) - self.solid.reach(*n)).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// Where a line enters and leaves, by clipping at all planes; `None` if it misses.
     fn clip(&self, origin: DVec3, dir: DVec3) -> Option<[f64; 2]> {
-        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
-        for n in &self.solid.normals {
-            let reach = self.solid.points.iter().map(|v| v.dot(*n)).fold(f64::NEG_INFINITY, f64::max);
-            let (height, speed) = (origin.dot(*n) - reach, dir.dot(*n));
-            if speed < 0.0 {
-                enter = enter.max(-height / speed);
-            } else if speed > 0.0 {
-                leave = leave.min(-height / speed);
-            } else if height > 0.0 {
-                return None;
-            }
-        }
-        (enter <= leave).then_some([enter, leave])
+        let offsets: Vec<f64> = self.solid.normals.iter().map(|n| self.solid.reach(*n)).collect();
+        let found = passage_of_point(&self.solid, &offsets, origin, dir, 0.0);
+        (found.enter[0] <= found.exit[0]).then_some([found.enter[0], found.exit[0]])
     }
 }
 
@@ -99,7 +78,7 @@ fn support_points_are_the_farthest_vertices() {
         for _ in 0..500 {
             let dir = DVec3::from_array(rng.direction());
             let found = wide(case.hull.local_support_point(narrow(dir))).dot(wide(narrow(dir)));
-            let best = case.solid.points.iter().map(|v| v.dot(wide(narrow(dir)))).fold(f64::NEG_INFINITY, f64::max);
+            let best = case.solid.reach(wide(narrow(dir)));
             assert!((found - best).abs() < 1e-6 * case.size(), "{}: {found} of {best}", case.name);
         }
     }
@@ -110,7 +89,7 @@ fn boxes_are_tight_under_every_pose() {
     let mut rng = SplitMix64::new(2);
     for case in cases() {
         for _ in 0..100 {
-            let pose = pose(&mut rng);
+            let pose = pose(&mut rng, 3.0);
             let found = case.hull.compute_aabb(&pose);
             let placed = case.solid.points.iter().map(|p| pose.rotation.as_dquat() * *p + wide(pose.translation));
             let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -123,34 +102,6 @@ fn boxes_are_tight_under_every_pose() {
         let ball = case.hull.compute_local_bounding_sphere();
         let farthest = case.solid.points.iter().map(|p| p.distance(wide(ball.center))).fold(0.0, f64::max);
         assert!(farthest <= f64::from(ball.radius) && f64::from(ball.radius) < 1.7 * case.size(), "{}", case.name);
-    }
-}
-
-/// The slow twin: tetrahedra from the origin over the triangles of the surface, in f64. parry's own
-/// sums are in f32, and off by a thousandth.
-#[test]
-fn mass_matches_the_polyhedron() {
-    for case in cases() {
-        let (vertices, triangles) = case.hull.to_trimesh();
-        let (mut volume, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
-        for triangle in triangles {
-            let [a, b, c] = triangle.map(|vertex| wide(vertices[vertex as usize]));
-            let part = a.cross(b).dot(c) / 6.0;
-            volume += part;
-            first += (a + b + c) * (part / 4.0);
-            let outer = |p: DVec3| DMat3::from_cols(p * p.x, p * p.y, p * p.z);
-            second += (outer(a + b + c) + outer(a) + outer(b) + outer(c)) * (part / 20.0);
-        }
-        let com = first / volume;
-        let about_com = second - DMat3::from_cols(com * com.x, com * com.y, com * com.z) * volume;
-        let trace = about_com.x_axis.x + about_com.y_axis.y + about_com.z_axis.z;
-        let inertia = (DMat3::from_diagonal(DVec3::splat(trace)) - about_com) * 3.0;
-        let found = case.hull.mass_properties(3.0);
-        assert!((f64::from(found.mass()) / (3.0 * volume) - 1.0).abs() < 1e-5, "{}", case.name);
-        assert!(wide(found.local_com).distance(com) < 1e-5 * case.size(), "{}", case.name);
-        let error = (found.reconstruct_inertia_matrix().as_dmat3() - inertia).to_cols_array();
-        let error = error.into_iter().fold(0.0, |m: f64, e| m.max(e.abs()));
-        assert!(error < 1e-5 * 3.0 * volume * case.size().powi(2), "{}: {error:e}", case.name);
     }
 }
 
@@ -187,8 +138,7 @@ fn rays_hit_where_planes_clip_them() {
                             // through the point.
                             let normal = wide(found.normal);
                             let outward = if inside { -normal } else { normal };
-                            let reach = case.solid.points.iter().map(|v| v.dot(outward));
-                            let above = reach.fold(f64::NEG_INFINITY, f64::max) - (origin + dir * truth).dot(outward);
+                            let above = case.solid.reach(outward) - (origin + dir * truth).dot(outward);
                             assert!(
                                 normal.dot(dir) < 0.0 && above.abs() < 1e-5 * case.size(),
                                 "{}: {above}",
@@ -242,7 +192,7 @@ fn points_project_to_the_surface() {
 fn faces_of_projections_and_of_vertices() {
     let (mut rng, mut inner) = (SplitMix64::new(5), 0);
     for case in cases() {
-        let reach = |n: DVec3| case.solid.points.iter().map(|v| v.dot(n)).fold(f64::NEG_INFINITY, f64::max);
+        let reach = |n: DVec3| case.solid.reach(n);
         for _ in 0..50 {
             let point = narrow(DVec3::from_array(rng.direction()) * case.size() * 2.0);
             let (found, face) = case.hull.project_local_point_and_get_feature(point);
@@ -271,7 +221,7 @@ fn faces_of_projections_and_of_vertices() {
 /// On the cap of a prism of many sides, the four corners span the cap; a side has exactly four.
 #[test]
 fn features_of_a_prism() {
-    let hull = BakedHull::new(pack(&families::prism(1000, 1)).shared_hull(0).unwrap());
+    let hull = baked(&families::prism(1000, 1));
     let mut feature = PolygonalFeature::default();
     hull.local_support_feature(Vector::new(1e-4, -2e-4, 1.0), &mut feature);
     assert_eq!(feature.num_vertices, 4);
@@ -280,7 +230,7 @@ fn features_of_a_prism() {
     let ids: std::collections::BTreeSet<u32> = feature.vids.iter().map(|id| id.0).collect();
     assert_eq!(ids.len(), 4);
 
-    let four_sides = BakedHull::new(pack(&families::prism(8, 1)).shared_hull(0).unwrap());
+    let four_sides = baked(&families::prism(8, 1));
     // Towards an edge, the merged feature is the edge, and the face is returned instead.
     four_sides.local_support_feature(Vector::new(1.0, 0.0, 1.1), &mut feature);
     assert!(feature.num_vertices == 4);
@@ -288,7 +238,7 @@ fn features_of_a_prism() {
 
 #[test]
 fn scales_multiply_and_zero_is_rejected() {
-    let hull = BakedHull::new(pack(&families::rock(50, 1)).shared_hull(0).unwrap());
+    let hull = baked(&families::rock(50, 1));
     let shape: SharedShape = hull.clone().into();
     let twice = shape.scale_dyn(Vector::new(2.0, -1.0, 1.0), 0).unwrap();
     let back = twice.scale_dyn(Vector::new(0.5, -1.0, 1.0), 0).unwrap();
@@ -303,7 +253,7 @@ fn flat_hulls_are_shapes() {
     let flat = families::flat_sheet(40, 1);
     let segment: Vec<[f32; 3]> = (0..4).map(|i| [i as f32, 0.0, 0.0]).collect();
     for points in [flat, segment] {
-        let hull = BakedHull::new(pack(&points).shared_hull(0).unwrap());
+        let hull = baked(&points);
         assert_eq!(hull.mass_properties(1.0).mass(), 0.0);
         assert!(hull.to_convex_polyhedron().is_none());
         let above = Vector::new(0.0, 0.0, 5.0) + hull.compute_local_aabb().center();
@@ -317,7 +267,7 @@ fn flat_hulls_are_shapes() {
 
 #[test]
 fn numbers_that_are_not_finite_are_harmless() {
-    let hull = BakedHull::new(pack(&families::rock(100, 1)).shared_hull(0).unwrap());
+    let hull = baked(&families::rock(100, 1));
     for bad in [f32::NAN, f32::INFINITY, -f32::INFINITY, 0.0] {
         let v = Vector::new(bad, 1.0, 0.0) * bad;
         let _ = hull.local_support_point(v);

@@ -8,9 +8,10 @@ use hullmap_testkit::gap::distance_by_features;
 use parry3d::math::{Pose, Vector};
 use parry3d::query::details::ShapeCastOptions;
 use parry3d::query::{ClosestPoints, DefaultQueryDispatcher, QueryDispatcher, ShapeCastHit, ShapeCastStatus};
-use parry3d::shape::{Ball, Capsule, Compound, Cone, Cuboid, Cylinder, Shape, SharedShape, TriMesh};
+use parry3d::shape::{Compound, Shape, TriMesh};
 
 use crate::bodies::{hull, pose, vertices};
+use crate::dispatcher::primitives;
 use crate::grounds::{NamedSurface, field, grounds, mesh};
 
 /// The distance of a body from all triangles; negative if it overlaps one: the greatest depth.
@@ -91,16 +92,6 @@ fn hulls_and_compounds_agree_with_brute_force() {
     }
 }
 
-fn primitives() -> Vec<(&'static str, SharedShape)> {
-    vec![
-        ("ball", SharedShape::new(Ball::new(0.8))),
-        ("capsule", SharedShape::new(Capsule::new(Vector::new(-0.5, 0.1, 0.0), Vector::new(0.4, 0.3, 0.2), 0.3))),
-        ("cone", SharedShape::new(Cone::new(0.7, 0.5))),
-        ("cuboid", SharedShape::new(Cuboid::new(Vector::new(0.5, 0.8, 0.3)))),
-        ("cylinder", SharedShape::new(Cylinder::new(0.6, 0.5))),
-    ]
-}
-
 #[test]
 fn primitives_agree_with_parrys_mesh() {
     let mut rng = SplitMix64::new(5);
@@ -108,7 +99,7 @@ fn primitives_agree_with_parrys_mesh() {
         let (vertices, triangles) = surface.to_trimesh();
         let theirs = TriMesh::new(vertices, triangles).unwrap();
         for (kind, shape) in primitives() {
-            for _ in 0..20 {
+            for _ in 0..9 {
                 let distance = rng.between(0.5, 6.0);
                 let at = pose(&mut rng, distance);
                 let apart = DefaultQueryDispatcher.distance(&at, &theirs, &*shape).unwrap().distance;

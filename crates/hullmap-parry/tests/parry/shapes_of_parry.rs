@@ -3,36 +3,12 @@
 use hullmap::glam::DVec3;
 use hullmap_parry::{BakedSurface, JoinError, Sheet};
 use hullmap_random::SplitMix64;
+use hullmap_testkit::{ray::Line, triangles::distance_from_triangle};
 use parry3d::math::{Pose, Vector};
 use parry3d::query::{self, PointQuery, Ray, RayCast};
 use parry3d::shape::{Ball, FeatureId, Shape, TriMesh};
 
 use crate::grounds::{NamedSurface, field, grounds, mesh};
-
-/// Where a ray meets a triangle: Möller, Trumbore, "Fast, minimum storage ray/triangle
-/// intersection", 1997.
-fn meet([a, b, c]: [DVec3; 3], origin: DVec3, dir: DVec3) -> Option<f64> {
-    let (ab, ac, p) = (b - a, c - a, dir.cross(c - a));
-    let (det, from) = (ab.dot(p), origin - a);
-    let (u, q) = (from.dot(p) / det, from.cross(ab));
-    let (v, t) = (dir.dot(q) / det, ac.dot(q) / det);
-    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t >= 0.0).then_some(t)
-}
-
-/// The nearest point of a triangle, by its plane, its edges and its corners.
-fn nearest([a, b, c]: [DVec3; 3], point: DVec3) -> DVec3 {
-    let normal = (b - a).cross(c - a).normalize();
-    let foot = point - normal * (point - a).dot(normal);
-    let inside = [(a, b), (b, c), (c, a)].iter().all(|(from, to)| (*to - *from).cross(foot - *from).dot(normal) >= 0.0);
-    if inside {
-        return foot;
-    }
-    let on_edge = |from: DVec3, to: DVec3| {
-        from + (to - from) * ((point - from).dot(to - from) / (to - from).length_squared()).clamp(0.0, 1.0)
-    };
-    let edges = [on_edge(a, b), on_edge(b, c), on_edge(c, a)];
-    edges.into_iter().min_by(|p, q| p.distance(point).total_cmp(&q.distance(point))).unwrap()
-}
 
 #[test]
 fn rays_and_points_agree_with_brute_force() {
@@ -44,7 +20,8 @@ fn rays_and_points_agree_with_brute_force() {
             let aim = (DVec3::from_array(rng.direction()) * 2.0).as_vec3();
             let ray = Ray::new(origin, (aim - origin) * 0.5);
             let (from, dir) = (origin.as_dvec3(), ray.dir.as_dvec3());
-            let all = triangles.iter().enumerate().filter_map(|(i, t)| Some((meet(*t, from, dir)?, i)));
+            let line = Line::new(from, dir, f64::INFINITY);
+            let all = triangles.iter().enumerate().filter_map(|(i, t)| Some((line.meet(*t)?.rounded(), i)));
             let truth = all.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(t, _)| *t <= 1.5);
             let found = surface.cast_local_ray_and_get_normal(&ray, 1.5, true);
             assert_eq!(found.is_some(), truth.is_some(), "{name}");
@@ -59,14 +36,14 @@ fn rays_and_points_agree_with_brute_force() {
                 assert!(at.distance(found.normal) < 1e-4, "{name}");
             }
             let point = origin.as_dvec3();
-            let distance = |t: &[DVec3; 3]| nearest(*t, point).distance(point);
+            let distance = |t: &[DVec3; 3]| distance_from_triangle(*t, point);
             let least = triangles.iter().map(distance).fold(f64::INFINITY, f64::min);
             let (projection, feature) = surface.project_local_point_and_get_feature(origin);
             let FeatureId::Face(face) = feature else { panic!("{name}: {feature:?}") };
             let own = projection.point.as_dvec3();
             assert!((own.distance(point) - least).abs() < 1e-5 && !projection.is_inside, "{name}");
             assert!((distance(&triangles[face as usize]) - least).abs() < 1e-5, "{name}");
-            assert!(nearest(triangles[face as usize], own).distance(own) < 1e-5, "{name}");
+            assert!(distance_from_triangle(triangles[face as usize], own) < 1e-5, "{name}");
         }
         assert!((50..450).contains(&hits), "{name}: {hits}");
     }

@@ -1,5 +1,4 @@
-//! Casts of shapes that move and turn, against recursive subdivision with brute force in f64.
-#![cfg(feature = "dispatcher")]
+//! Casts of shapes that move and turn, against brute force in f64 at many times.
 
 use std::sync::Arc;
 
@@ -15,15 +14,10 @@ use parry3d::query::{DefaultQueryDispatcher, NonlinearRigidMotion, QueryDispatch
 use parry3d::shape::{Ball, Compound, Cuboid, HalfSpace, Shape, SharedShape};
 use shapes::families;
 
+use crate::bodies::{hull, rotation, wide_pose};
+
 /// The window in which shapes are cast.
 const WINDOW: [f32; 2] = [0.25, 1.25];
-
-/// Width of the intervals that brute force does not subdivide.
-const WIDTH: f64 = 1e-5;
-
-fn hull(points: &[[f32; 3]]) -> BakedHull {
-    BakedHull::new(Arc::new(packs::tree_pack(points)).shared_hull(0).unwrap())
-}
 
 fn polytope(points: &[[f32; 3]]) -> Polytope {
     Polytope::new(&packs::tree_pack(points).hull(0).unwrap())
@@ -35,10 +29,6 @@ fn cuboid_points(half: [f32; 3]) -> Vec<[f32; 3]> {
 
 fn cuboid(half: [f32; 3]) -> BakedHull {
     hull(&cuboid_points(half))
-}
-
-fn turn(rng: &mut SplitMix64) -> DQuat {
-    DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize()
 }
 
 /// A shape of parry's, and the solids that it is the union of.
@@ -66,8 +56,8 @@ impl Body {
         let (mut parts, mut solids) = (Vec::new(), Vec::new());
         for part in 0..3 {
             let points = families::rock(12, seed + part);
-            let at = Pose::from_parts(DVec3::from_array(rng.direction()).as_vec3(), turn(&mut rng).as_quat());
-            solids.push(polytope(&points).placed(wide(&at)));
+            let at = Pose::from_parts(DVec3::from_array(rng.direction()).as_vec3(), rotation(&mut rng).as_quat());
+            solids.push(polytope(&points).placed(wide_pose(&at)));
             parts.push((at, hull(&points).into()));
         }
         Self { shape: SharedShape::new(Compound::new(parts)), solids }
@@ -78,7 +68,8 @@ impl Body {
         let mut rng = SplitMix64::new(seed);
         let (mut surfaces, mut solids) = (Vec::new(), Vec::new());
         for _ in 0..tiles {
-            let at = Pose::from_parts((DVec3::from_array(rng.direction()) * 0.5).as_vec3(), turn(&mut rng).as_quat());
+            let at =
+                Pose::from_parts((DVec3::from_array(rng.direction()) * 0.5).as_vec3(), rotation(&mut rng).as_quat());
             let corner = |rng: &mut SplitMix64| (DVec3::from_array(rng.direction()) * 1.2).as_vec3().to_array();
             let positions: Vec<[f32; 3]> = (0..12).map(|_| corner(&mut rng)).collect();
             let corners: Vec<[u32; 3]> = (0..4).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
@@ -86,20 +77,16 @@ impl Body {
             let file = write_triangle_mesh(bake_triangle_mesh(&triangles).unwrap(), &Default::default()).unwrap();
             let mesh = hullmap::TriangleMesh::from_bytes(&file).unwrap();
             surfaces.push((at, BakedSurface::new(Arc::new(mesh))));
-            let solid = |t: &[u32; 3]| polytope(&t.map(|corner| positions[corner as usize])).placed(wide(&at));
+            let solid = |t: &[u32; 3]| polytope(&t.map(|corner| positions[corner as usize])).placed(wide_pose(&at));
             solids.extend(corners.iter().map(solid));
         }
         Self { shape: BakedSurface::joined(surfaces).unwrap().into(), solids }
     }
 }
 
-fn wide(pose: &Pose) -> hullmap::Pose {
-    hullmap::Pose::from_f32(pose.translation, pose.rotation).unwrap()
-}
-
 /// The pose at a time, in f64, by the definition in parry's documents.
 fn pose_at(motion: &NonlinearRigidMotion, t: f64) -> hullmap::Pose {
-    let start = wide(&motion.start);
+    let start = wide_pose(&motion.start);
     let center = start.transform_point(motion.local_center.as_dvec3());
     let turn = DQuat::from_scaled_axis(motion.angvel.as_dvec3() * t);
     let place = center + motion.linvel.as_dvec3() * t + turn * (start.translation() - center);
@@ -128,32 +115,13 @@ impl Case<'_> {
         self.apart(t) < 1e-9
     }
 
-    /// Upper bound of the speed at which the distance changes.
-    fn speed(&self) -> f64 {
-        let of = |side: usize| {
-            let motion = &self.motions[side];
-            let arm = motion.local_center.as_dvec3().length() + self.bodies[side].radius();
-            motion.linvel.as_dvec3().length() + motion.angvel.as_dvec3().length() * arm
-        };
-        of(0) + of(1)
+    /// Whether the solids overlap at one of many times.
+    fn meets(&self, [start, end]: [f64; 2]) -> bool {
+        (0..60).any(|i| self.overlaps(start + (end - start) * f64::from(i) / 60.0))
     }
 
-    /// A time until which the solids certainly do not meet, and from which they may within
-    /// [`WIDTH`]; `None` if they do not meet in the interval.
-    fn first(&self, speed: f64, [start, end]: [f64; 2]) -> Option<f64> {
-        let middle = 0.5 * (start + end);
-        let reach = 0.5 * (end - start) * speed;
-        if self.apart(middle) > reach {
-            return None;
-        }
-        if end - start < WIDTH {
-            return Some(start);
-        }
-        self.first(speed, [start, middle]).or_else(|| self.first(speed, [middle, end]))
-    }
-
-    fn cast(&self, dispatcher: &dyn QueryDispatcher, shapes: [&dyn Shape; 2]) -> Option<ShapeCastHit> {
-        let ([a, b], [motion_a, motion_b]) = (shapes, &self.motions);
+    fn cast(&self, dispatcher: &dyn QueryDispatcher, [a, b]: [&dyn Shape; 2]) -> Option<ShapeCastHit> {
+        let [motion_a, motion_b] = &self.motions;
         dispatcher.cast_shapes_nonlinear(motion_a, a, motion_b, b, WINDOW[0], WINDOW[1], true).unwrap()
     }
 
@@ -162,44 +130,23 @@ impl Case<'_> {
     }
 }
 
-/// Results of many casts.
-#[derive(Debug, Default)]
-struct Counts {
-    hits: usize,
-    misses: usize,
-    /// Meetings in which the solids overlap at a sample of brute force, and parry's algorithm finds
-    /// no hit, or a later one.
-    missed_by_parry: usize,
-    late_by_parry: usize,
-}
-
-/// Casts a pair, and judges the answers.
-fn judge(what: &str, case: &Case<'_>, counts: &mut Counts) {
+/// Casts a pair, judges the answers, and counts hits, misses, and meetings for which parry finds no
+/// hit, or a later one.
+fn judge(what: &str, case: &Case<'_>, [hits, misses, late]: &mut [usize; 3]) {
     let window = WINDOW.map(f64::from);
-    let speed = case.speed();
-    let truth = case.first(speed, window);
     for (case, flipped) in [(case, false), (&case.swapped(), true)] {
-        let shapes = [&*case.bodies[0].shape, &*case.bodies[1].shape];
-        let Some(hit) = case.cast(&HullDispatcher, shapes) else {
-            // A miss is right if brute force finds no overlap.
-            if let Some(first) = truth {
-                let end = window[1];
-                let overlaps = (0..60).any(|i| case.overlaps(first + (end - first) * f64::from(i) / 60.0));
-                assert!(!overlaps && !case.overlaps(first + 0.5 * WIDTH), "{what}: missed at {first}");
-            }
-            counts.misses += usize::from(!flipped);
+        let Some(hit) = case.cast(&HullDispatcher, case.bodies.map(|body| &*body.shape)) else {
+            assert!(!case.meets(window), "{what}: missed");
+            *misses += usize::from(!flipped);
             continue;
         };
-        counts.hits += usize::from(!flipped);
-        let (time, first) = (f64::from(hit.time_of_impact), truth.unwrap_or_else(|| panic!("{what}: no hit")));
-        // The time is not later than the first meeting: brute force proves this up to `first`,
-        // samples check the rest. It is as near as the tolerance and rounding to f32 allow.
-        let samples = (0..20).map(|i| first + (time - first) * f64::from(i) / 20.0);
-        let is_late = time > first && time > window[0] && samples.into_iter().any(|t| case.overlaps(t));
-        assert!(!is_late, "{what}: {time} {first}");
-        let apart = case.apart(time);
-        let size = case.bodies.iter().map(|body| body.radius()).sum::<f64>();
-        assert!(apart < 4e-6 * size + 2e-7 * speed, "{what}: {apart} apart at {time}, {first}");
+        *hits += usize::from(!flipped);
+        // They do not meet before. At the time, they are as near as the tolerance and rounding to
+        // f32 allow, at speeds of at most 40.
+        let time = f64::from(hit.time_of_impact);
+        assert!(time == window[0] || !case.meets([window[0], time]), "{what}: late at {time}");
+        let (apart, size) = (case.apart(time), case.bodies.iter().map(|body| body.radius()).sum::<f64>());
+        assert!(apart < 4e-6 * size + 8e-6, "{what}: {apart} apart at {time}");
         if time == window[0] {
             assert_eq!(hit.status, ShapeCastStatus::PenetratingOrWithinTargetDist, "{what}");
             continue;
@@ -210,16 +157,11 @@ fn judge(what: &str, case: &Case<'_>, counts: &mut Counts) {
         assert!(apart < 1e-4, "{what}: {apart} between the points");
         let [n1, n2] = [a.transform_vector(hit.normal1.as_dvec3()), b.transform_vector(hit.normal2.as_dvec3())];
         assert!((n1 + n2).length() < 1e-4 && (n1.length() - 1.0).abs() < 1e-4, "{what}: {n1} {n2}");
-        if flipped {
-            continue;
-        }
         let of_parry = case.bodies.map(|body| body.shape.as_shape::<BakedHull>()?.to_convex_polyhedron());
-        if let [Some(a), Some(b)] = of_parry {
+        if let ([Some(a), Some(b)], false) = (of_parry, flipped) {
             let theirs = case.cast(&DefaultQueryDispatcher, [&a, &b]);
             let end = theirs.map_or(window[1], |hit| f64::from(hit.time_of_impact));
-            let overlaps = (0..60).any(|i| case.overlaps(time + (end - time) * f64::from(i) / 60.0));
-            counts.missed_by_parry += usize::from(theirs.is_none() && overlaps);
-            counts.late_by_parry += usize::from(theirs.is_some() && overlaps);
+            *late += usize::from(case.meets([time, end]));
         }
     }
 }
@@ -227,7 +169,7 @@ fn judge(what: &str, case: &Case<'_>, counts: &mut Counts) {
 /// Random motions, most of which come near.
 fn motions(rng: &mut SplitMix64, spin: f64) -> [NonlinearRigidMotion; 2] {
     let place = |rng: &mut SplitMix64, distance: f64| {
-        let turn = turn(rng).as_quat();
+        let turn = rotation(rng).as_quat();
         Pose::from_parts((DVec3::from_array(rng.direction()) * distance).as_vec3(), turn)
     };
     let vector = |rng: &mut SplitMix64, length: f64| (DVec3::from_array(rng.direction()) * length).as_vec3();
@@ -238,35 +180,24 @@ fn motions(rng: &mut SplitMix64, spin: f64) -> [NonlinearRigidMotion; 2] {
 }
 
 #[test]
-fn hulls_meet_when_brute_force_says() {
-    let (a, b) = (Body::of_points(&families::rock(30, 1)), Body::of_points(&families::prism(8, 1)));
-    let (mut rng, mut counts) = (SplitMix64::new(1), Counts::default());
-    for case in 0..120 {
-        let motions = motions(&mut rng, 4.0);
-        judge(&format!("hulls, {case}"), &Case { bodies: [&a, &b], motions }, &mut counts);
-    }
-    println!("{counts:?}");
-    assert!(counts.hits >= 30 && counts.misses >= 10, "{counts:?}");
-}
-
-#[test]
-fn compounds_surfaces_and_primitives_meet_when_brute_force_says() {
-    let (rock, other) = (Body::of_points(&families::rock(12, 7)), Body::compound(6));
-    let mut rng = SplitMix64::new(2);
+fn bodies_meet_when_brute_force_says() {
+    let (rock, other) = (Body::of_points(&families::rock(30, 1)), Body::compound(6));
+    let mut rng = SplitMix64::new(1);
     for (name, body) in [
+        ("hull", Body::of_points(&families::prism(8, 1))),
         ("cuboid", Body::cuboid([0.5, 0.8, 0.3])),
         ("compound", Body::compound(3)),
         ("surface", Body::surface(4, 1)),
         ("two tiles", Body::surface(5, 2)),
     ] {
-        let mut counts = Counts::default();
+        let mut counts = [0; 3];
         for case in 0..40 {
-            let motions = motions(&mut rng, 3.0);
+            let motions = motions(&mut rng, 4.0);
             let other = if case % 2 == 0 { &other } else { &rock };
             judge(&format!("{name}, {case}"), &Case { bodies: [&body, other], motions }, &mut counts);
         }
-        println!("{name}: {counts:?}");
-        assert!(counts.hits >= 8 && counts.misses >= 3, "{name}: {counts:?}");
+        println!("{name}: {counts:?} hits, misses, and late with parry");
+        assert!(counts[0] >= 8 && counts[1] >= 3, "{name}: {counts:?}");
     }
 }
 
@@ -275,21 +206,21 @@ fn compounds_surfaces_and_primitives_meet_when_brute_force_says() {
 fn a_spinning_rod_does_not_pass_a_thin_wall() {
     let (rod, wall) =
         (Body::of_points(&cuboid_points([1.0, 0.01, 0.01])), Body::of_points(&cuboid_points([2.0, 0.005, 2.0])));
-    let (mut rng, mut counts) = (SplitMix64::new(3), Counts::default());
+    let (mut rng, mut counts) = (SplitMix64::new(3), [0; 3]);
     for case in 0..80 {
         let place = Vector::new(0.3, rng.between(0.3, 1.3) as f32, 0.1);
         let axis = DVec3::new(rng.between(-0.3, 0.3), rng.between(-0.3, 0.3), 1.0).normalize();
         let spin = (axis * rng.between(1.0, 18.0)).as_vec3();
         let fall = Vector::new(0.1, rng.between(-3.0, 0.1) as f32, 0.0);
-        let start = Pose::from_parts(place, turn(&mut rng).as_quat());
+        let start = Pose::from_parts(place, rotation(&mut rng).as_quat());
         let motions = [
             NonlinearRigidMotion::constant_position(Pose::IDENTITY),
             NonlinearRigidMotion::new(start, Vector::ZERO, fall, spin),
         ];
         judge(&format!("rod, {case}"), &Case { bodies: [&wall, &rod], motions }, &mut counts);
     }
-    println!("{counts:?}");
-    assert!(counts.hits >= 40 && counts.missed_by_parry + counts.late_by_parry > 0, "{counts:?}");
+    println!("{counts:?} hits, misses, and late with parry");
+    assert!(counts[0] >= 40 && counts[2] > 0, "{counts:?}");
 }
 
 /// Rods of 100:1 that touch the front of a thin wall with one end at the start, and swing or fly
@@ -304,7 +235,7 @@ fn a_rod_that_touches_a_thin_wall_does_not_swing_through() {
     let mut rng = SplitMix64::new(4);
     let (mut passed, mut swings) = ([0, 0], 0);
     for _ in 0..60 {
-        let turn = turn(&mut rng);
+        let turn = rotation(&mut rng);
         let reach = corners.iter().map(|p| (turn * *p).x).fold(0.0, f64::max);
         let place = DVec3::new(-thick - reach, rng.between(-1.0, 1.0), rng.between(-1.0, 1.0));
         let spin = DVec3::from_array(rng.direction()) * rng.between(0.5, 3.0);
