@@ -1,20 +1,12 @@
 //! Comments are narrow enough to read beside the code.
 
 use std::fs;
-use std::path::Path;
-use std::process::Command;
 
+use hullmap_house::tracked;
 use hullmap_outside::files::workspace;
 
 /// Column at which comment lines end.
 const COMMENT_WIDTH: usize = 100;
-
-/// Tracked Rust files, relative to the workspace.
-fn rust_files() -> Vec<String> {
-    let listed = Command::new("git").args(["ls-files", "*.rs"]).current_dir(workspace()).output();
-    let listed = listed.map(|out| String::from_utf8(out.stdout).expect("paths are UTF-8")).unwrap_or_default();
-    listed.lines().filter(|path| workspace().join(path).exists()).map(str::to_owned).collect()
-}
 
 /// Whether a line is a comment of more than [`COMMENT_WIDTH`] columns that could be broken: it has
 /// a space before the limit, and is neither a row of a table nor a line of code in an example.
@@ -30,11 +22,11 @@ fn is_too_wide(line: &str, in_example: bool) -> bool {
 
 #[test]
 fn comment_lines_end_at_column_100() {
-    let files = rust_files();
+    let files: Vec<String> = tracked().into_iter().filter(|path| path.ends_with(".rs")).collect();
     assert!(files.len() > 150 || !workspace().join(".git").exists(), "{} files", files.len());
     let mut wide = Vec::new();
     for file in &files {
-        let text = fs::read_to_string(workspace().join(Path::new(file))).expect("a tracked file can be read");
+        let text = fs::read_to_string(workspace().join(file)).expect("a tracked file can be read");
         let mut in_example = false;
         for (index, line) in text.lines().enumerate() {
             in_example ^= line.trim_start().starts_with("//") && line.contains("```");
