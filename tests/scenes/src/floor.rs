@@ -8,7 +8,7 @@ use rapier3d::parry::shape::Compound;
 use rapier3d::prelude::*;
 
 use crate::model::{Model, prism};
-use crate::relief::{Relief, terrain};
+use crate::relief::Relief;
 use crate::sheets::{self, Heights};
 use crate::way::Way;
 
@@ -32,25 +32,10 @@ pub enum Floor {
     HeightField,
     /// A rough height field of 3,200 triangles.
     Rough,
-    /// The terrain that was loaded.
-    Terrain,
 }
 
 impl Floor {
-    /// All floors, in the order of the table.
-    pub const ALL: [Self; 9] = [
-        Self::Cuboid,
-        Self::Hull,
-        Self::HalfSpace,
-        Self::TriangleMesh,
-        Self::Compound,
-        Self::BakedMesh,
-        Self::HeightField,
-        Self::Rough,
-        Self::Terrain,
-    ];
-
-    /// Name in a table.
+    /// Name for messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Cuboid => "cuboid",
@@ -61,17 +46,12 @@ impl Floor {
             Self::BakedMesh => "baked mesh",
             Self::HeightField => "height field",
             Self::Rough => "rough field",
-            Self::Terrain => "terrain",
         }
     }
 
-    /// The ground, if it is not the plane y = 0. Panics if the terrain was not loaded.
+    /// The ground, if it is not the plane y = 0.
     fn relief(self) -> Option<&'static Relief> {
-        match self {
-            Self::Rough => Some(Relief::rough()),
-            Self::Terrain => Some(terrain().expect("the terrain was loaded")),
-            _ => None,
-        }
+        (self == Self::Rough).then(Relief::rough)
     }
 
     /// Greatest height where bodies fall, and the least one.
@@ -87,7 +67,7 @@ impl Floor {
         }
     }
 
-    /// The floor's collider. Panics if parry rejects the mesh, or the terrain was not loaded.
+    /// The floor's collider. Panics if parry rejects the mesh.
     pub fn collider(self, way: Way) -> ColliderBuilder {
         let down = Vector::new(0.0, -0.5, 0.0);
         match self {
@@ -119,7 +99,6 @@ impl Floor {
                 }
             }
             Self::Rough => Relief::rough().collider(way),
-            Self::Terrain => terrain().expect("the terrain was loaded").collider(way),
         }
     }
 }

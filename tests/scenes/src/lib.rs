@@ -6,9 +6,8 @@
 //! - [`sheets`], [`slab`], [`slab_sheet`]: triangle meshes, height fields and slabs.
 //! - [`slide`]: one body slides or rolls over a slab that is cut into parts. Does it stumble?
 //! - [`stack`]: upright prisms, one or ten of them, that must stand.
-//! - [`steps`]: the time of a step with many bodies.
 //!
-//! The tests run few seeds. The programs `rest-table` and `step-table` print the whole tables.
+//! The tests run few seeds. The example `pile` prints the time of a step and the bodies at rest.
 
 pub mod floor;
 pub mod model;
@@ -20,5 +19,4 @@ pub mod slab;
 pub mod slab_sheet;
 pub mod slide;
 pub mod stack;
-pub mod steps;
 pub mod way;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use hullmap::{Pack, SharedHull};
 use hullmap_bake::PointSet;
-use hullmap_import::{ImportOptions, Limits, Split, import, read};
+use hullmap_import::{ImportOptions, Limits, import, read};
 use hullmap_parry::{BakedHull, union};
 use hullmap_testkit::packs;
 use rapier3d::prelude::*;
@@ -15,7 +15,7 @@ use crate::way::Way;
 /// A convex body, or one of convex parts.
 #[derive(Clone)]
 pub struct Model {
-    /// Name in a table.
+    /// Name for messages.
     pub name: String,
     /// The baked hull; for a body of parts, the hull of all of them.
     pub hull: SharedHull,
@@ -31,19 +31,6 @@ impl Model {
     pub fn sized(name: &str, points: &[[f32; 3]], size: f32) -> Option<Self> {
         let moved: Vec<[f32; 3]> = points.iter().map(centred(points, size)).collect();
         Self::new(name, &moved)
-    }
-
-    /// A body of convex parts, each given by its points, moved and scaled as by [`Self::sized`].
-    /// Flat parts are left out. `None` if all are flat. Panics as [`Self::sized`] does.
-    pub fn of_parts(name: &str, parts: &[Vec<[f32; 3]>], size: f32) -> Option<Self> {
-        let whole = Self::sized(name, &parts.concat(), size)?;
-        let all = parts.concat();
-        let moved = centred(&all, size);
-        let of_part = |points: &Vec<[f32; 3]>| Self::new(name, &points.iter().map(&moved).collect::<Vec<_>>());
-        let models: Vec<Self> = parts.iter().filter_map(of_part).collect();
-        let parry = models.iter().map(|model| (Pose::identity(), model.parry.clone())).collect();
-        let parts: Vec<SharedHull> = models.into_iter().map(|model| model.hull).collect();
-        Some(Self { parry: SharedShape::compound(parry), parts, ..whole })
     }
 
     /// The hull of `points` as they are. `None` if it is flat. Panics if the points cannot be
@@ -99,27 +86,20 @@ fn centred(points: &[[f32; 3]], size: f32) -> impl Fn(&[f32; 3]) -> [f32; 3] {
 /// The hulls of all solid meshes in a folder of OBJ and STL files, each with `size` as the longest
 /// side of its box. Sorted by name. Panics if a file cannot be read or imported.
 pub fn meshes(folder: &Path, size: f32) -> Vec<Model> {
-    files(folder, &["obj", "stl"]).iter().filter_map(|path| mesh(path, size)).collect()
-}
-
-/// The files in a folder that have one of these extensions, sorted.
-fn files(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
-    let is_wanted = |path: &PathBuf| path.extension().is_some_and(|own| extensions.iter().any(|one| own == *one));
-    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
-        .unwrap_or_else(|error| panic!("{}: {error}", folder.display()))
-        .map(|entry| entry.expect("a folder entry").path())
-        .filter(is_wanted)
-        .collect();
+    let entries = std::fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.expect("a folder entry").path()).collect();
+    files.retain(|path| path.extension().is_some_and(|own| own == "obj" || own == "stl"));
     files.sort();
-    files
+    files.iter().filter_map(|path| mesh(path, size)).collect()
 }
 
 /// The name and the point sets of a mesh file.
-fn imported(path: &Path, options: &ImportOptions) -> (String, Vec<PointSet>) {
+fn imported(path: &Path) -> (String, Vec<PointSet>) {
     let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("mesh");
     let (file, limits) = (path.display().to_string(), Limits::DEFAULT);
     let source = read(&file, path, &limits).unwrap_or_else(|error| panic!("{file}: {error:?}"));
-    let mut imported = import(&file, name, path, &source, options, &limits).unwrap_or_else(|error| panic!("{error}"));
+    let mut imported =
+        import(&file, name, path, &source, &ImportOptions::DEFAULT, &limits).unwrap_or_else(|error| panic!("{error}"));
     imported.give_triangles();
     (name.to_owned(), imported.point_sets)
 }
@@ -127,7 +107,7 @@ fn imported(path: &Path, options: &ImportOptions) -> (String, Vec<PointSet>) {
 /// Vertices and triangles of a mesh file. Panics if the file cannot be read or imported.
 pub fn triangles(path: &Path) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-    for set in imported(path, &ImportOptions::DEFAULT).1 {
+    for set in imported(path).1 {
         let first = positions.len() as u32;
         positions.extend(set.positions);
         triangles.extend(set.triangles.iter().map(|t| t.map(|corner| first + corner)));
@@ -135,20 +115,9 @@ pub fn triangles(path: &Path) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     (positions, triangles)
 }
 
-/// The bodies whose parts are the objects of the OBJ files in a folder, with `size` as the longest
-/// side of their boxes. Sorted by name. Panics if a file cannot be read or imported.
-pub fn bodies_of_parts(folder: &Path, size: f32) -> Vec<Model> {
-    let body = |path: &PathBuf| {
-        let objects = ImportOptions { split: Split::Object, ..ImportOptions::DEFAULT };
-        let (name, sets) = imported(path, &objects);
-        Model::of_parts(&name, &sets.into_iter().map(|set| set.positions).collect::<Vec<_>>(), size)
-    };
-    files(folder, &["obj"]).iter().filter_map(body).collect()
-}
-
 /// The hull of one mesh file; `None` if it is flat. Panics if the file cannot be read or imported.
 pub fn mesh(path: &Path, size: f32) -> Option<Model> {
-    let (name, sets) = imported(path, &ImportOptions::DEFAULT);
+    let (name, sets) = imported(path);
     Model::sized(&name, &sets.into_iter().flat_map(|set| set.positions).collect::<Vec<_>>(), size)
 }
 

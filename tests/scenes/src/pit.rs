@@ -58,11 +58,6 @@ impl<'m> Pit<'m> {
         self.bodies.iter().filter(|(body, _)| self.world.bodies[*body].is_sleeping()).count()
     }
 
-    /// Bodies whose centres move by less than a speed, in metres per second.
-    pub fn slower_than(&self, speed: f32) -> usize {
-        self.bodies.iter().filter(|(body, _)| self.world.bodies[*body].linvel().length() < speed).count()
-    }
-
     /// Bodies that fell through the floor or a wall.
     pub fn lost(&self) -> usize {
         let is_out = |at: Vector| !(at.y > 0.0 && at.x.abs().max(at.z.abs()) < self.half_width);

@@ -30,18 +30,6 @@ impl Cut {
     /// All cuts, in the order of the table.
     pub const CUTS: [Self; 5] = [Self::Grid, Self::Random, Self::Gaps, Self::Steps, Self::Overlap];
 
-    /// Name in a table.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Whole => "whole",
-            Self::Grid => "grid",
-            Self::Random => "random",
-            Self::Gaps => "gaps",
-            Self::Steps => "steps",
-            Self::Overlap => "overlap",
-        }
-    }
-
     /// Corners of the parts of the slab, whose top is the plane y = 0.
     pub fn parts(self) -> Vec<Vec<DVec3>> {
         let slab = [DVec3::new(-HALF, -THICKNESS, -HALF), DVec3::new(HALF, 0.0, HALF)];

@@ -49,20 +49,6 @@ impl Form {
         Self::MeshAndField,
         Self::FieldAndMesh,
     ];
-
-    /// Name in a table.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Hulls => "hulls",
-            Self::Mesh => "mesh",
-            Self::Walls => "mesh with walls",
-            Self::Field => "field",
-            Self::Meshes => "mesh, mesh",
-            Self::Fields => "field, field",
-            Self::MeshAndField => "mesh, field",
-            Self::FieldAndMesh => "field, mesh",
-        }
-    }
 }
 
 /// The slab as a surface, or two, turned by `slope`. Panics for [`Form::Hulls`], and if a part

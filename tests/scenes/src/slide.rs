@@ -56,23 +56,6 @@ pub enum Slider {
 }
 
 impl Slider {
-    /// All bodies, in the order of the table.
-    pub const ALL: [Self; 7] =
-        [Self::Box, Self::TurnedBox, Self::Sphere, Self::Ball, Self::Cylinder, Self::Bevelled, Self::Chair];
-
-    /// Name in a table.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Box => "box",
-            Self::TurnedBox => "turned box",
-            Self::Sphere => "sphere, 2,048",
-            Self::Ball => "ball",
-            Self::Cylinder => "cylinder",
-            Self::Bevelled => "bevelled prism",
-            Self::Chair => "chair",
-        }
-    }
-
     /// Whether it rolls, so that it starts with a spin and has friction.
     fn rolls(self) -> bool {
         matches!(self, Self::Sphere | Self::Ball | Self::Cylinder)
@@ -149,8 +132,6 @@ pub struct Slide {
     pub degrees: f32,
     /// The body.
     pub slider: Slider,
-    /// Shift of the start across the slab, in metres: how far paths diverge that begin apart by it.
-    pub shift: f32,
 }
 
 /// A moment of a trajectory, in the frame of the slab.
@@ -191,7 +172,7 @@ impl Slide {
         let velocity = slope * Vector::new(speed, 0.0, 0.11 * speed);
         let spin = if rolls { slope * Vector::new(0.22 * speed, 0.0, -2.0 * speed) } else { Vector::ZERO };
         let heading = if self.slider == Slider::TurnedBox { Quat::from_rotation_y(0.52) } else { Quat::IDENTITY };
-        let at = Pose::from_parts(slope * Vector::new(-3.31, 0.5, -0.43 + self.shift), slope * heading);
+        let at = Pose::from_parts(slope * Vector::new(-3.31, 0.5, -0.43), slope * heading);
         let body = RigidBodyBuilder::dynamic().pose(at).linvel(velocity).angvel(spin).can_sleep(false);
         let collider = ColliderBuilder::new(self.slider.shape(way)).friction(friction).density(100.0);
         let (body, _) = world.insert(body, collider);

@@ -15,10 +15,7 @@ pub enum Way {
 }
 
 impl Way {
-    /// All ways, in the order of the tables.
-    pub const ALL: [Self; 3] = [Self::Parry, Self::Shapes, Self::Dispatcher];
-
-    /// Name in a table.
+    /// Name for messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Parry => "parry",

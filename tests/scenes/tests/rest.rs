@@ -1,5 +1,4 @@
-//! Bodies come to rest on every kind of floor, and prisms stand: the tables of `rest-table` with
-//! few bodies.
+//! Bodies come to rest on every kind of floor, and prisms stand.
 
 use std::path::PathBuf;
 
@@ -30,11 +29,7 @@ fn models(size: f32) -> Vec<Model> {
 /// At least seven in eight sleep after 10 s, none is stuck in the floor, and none gains energy. No
 /// more bodies are lost than of parry's hulls: floors of no thickness lose fast bodies, and Rapier
 /// considers 0.1 m small.
-fn most_come_to_rest(floor: Floor, size: f32) {
-    most_come_to_rest_in(&BAKED, floor, size);
-}
-
-fn most_come_to_rest_in(ways: &[Way], floor: Floor, size: f32) {
+fn most_come_to_rest(ways: &[Way], floor: Floor, size: f32) {
     for &way in ways {
         let (mut asleep, mut count, mut lost) = (0, 0, 0);
         for model in models(size) {
@@ -67,50 +62,26 @@ fn most_come_to_rest_in(ways: &[Way], floor: Floor, size: f32) {
     }
 }
 
-#[test]
-fn on_a_cuboid() {
-    most_come_to_rest(Floor::Cuboid, 1.0);
+macro_rules! floors {
+    ($($name:ident: $floor:ident, $size:literal, $ways:expr;)*) => {
+        $(#[test]
+        fn $name() {
+            most_come_to_rest($ways, Floor::$floor, $size);
+        })*
+    };
 }
 
-#[test]
-fn on_a_baked_hull() {
-    most_come_to_rest(Floor::Hull, 1.0);
-}
-
-#[test]
-fn on_a_half_space() {
-    most_come_to_rest(Floor::HalfSpace, 1.0);
-}
-
-#[test]
-fn on_a_triangle_mesh() {
-    most_come_to_rest(Floor::TriangleMesh, 1.0);
-}
-
-#[test]
-fn on_a_compound() {
-    most_come_to_rest(Floor::Compound, 1.0);
-}
-
-#[test]
-fn on_a_baked_mesh() {
-    most_come_to_rest(Floor::BakedMesh, 1.0);
-}
-
-#[test]
-fn on_a_height_field() {
-    most_come_to_rest(Floor::HeightField, 1.0);
-}
-
-/// In mode B. In mode A, parry solves each triangle alone, and 10 of 12 generated bodies sleep.
-#[test]
-fn on_a_rough_height_field() {
-    most_come_to_rest_in(&[Way::Dispatcher], Floor::Rough, 1.0);
-}
-
-#[test]
-fn small_bodies_on_a_cuboid() {
-    most_come_to_rest(Floor::Cuboid, 0.1);
+floors! {
+    on_a_cuboid: Cuboid, 1.0, &BAKED;
+    on_a_baked_hull: Hull, 1.0, &BAKED;
+    on_a_half_space: HalfSpace, 1.0, &BAKED;
+    on_a_triangle_mesh: TriangleMesh, 1.0, &BAKED;
+    on_a_compound: Compound, 1.0, &BAKED;
+    on_a_baked_mesh: BakedMesh, 1.0, &BAKED;
+    on_a_height_field: HeightField, 1.0, &BAKED;
+    // In mode A, parry solves each triangle alone, and 10 of 12 generated bodies sleep.
+    on_a_rough_height_field: Rough, 1.0, &[Way::Dispatcher];
+    small_bodies_on_a_cuboid: Cuboid, 0.1, &BAKED;
 }
 
 /// Half of the bodies of a pit stayed awake in mode A, since a body that rocks keeps bodies awake

@@ -14,7 +14,6 @@ use shapes::families::{Family, cube_grid};
 
 // The recipe of docs/engines.md.
 #[expect(dead_code, reason = "the page's own program calls it")]
-#[path = "document/saving.rs"]
 mod saving;
 
 use saving::{load, save};
@@ -54,6 +53,13 @@ fn positions(world: &PhysicsWorld) -> Vec<Vector> {
 
 fn farthest(a: &PhysicsWorld, b: &PhysicsWorld) -> f32 {
     positions(a).iter().zip(positions(b)).map(|(p, q)| p.distance(q)).fold(0.0, f32::max)
+}
+
+/// `.ci/nightly` runs the programs of the page in a fresh project.
+#[test]
+fn the_recipe_is_as_printed() {
+    let page = include_str!("../../../docs/engines.md");
+    assert!(page.contains(&include_str!("saving/mod.rs").replace("pub fn", "fn")));
 }
 
 #[test]

@@ -131,7 +131,7 @@ impl Answers {
 }
 
 /// Verifies all queries of a pair.
-pub(super) fn judge_pair(pair: &BodyPair<'_, '_>, tally: &mut Tally) {
+pub fn judge_pair(pair: &BodyPair<'_, '_>, tally: &mut Tally) {
     let ([a, b], index) = (pair.bodies, pair.index);
     let mut caches = Caches::default();
     let answers = Answers::to(a, b, pair.b_in_a, &mut caches);

@@ -99,24 +99,6 @@ fn every_asset_bakes_reopens_and_verifies_with_every_index() {
 }
 
 #[test]
-fn objects_become_hulls_with_split_object() {
-    for (words, _) in INDICES {
-        let out = tempfile::tempdir().unwrap();
-        build(out.path(), &[words, &["--split", "object", "--verify"]].concat());
-        let pack = Pack::open(out.path().join("two_objects.hullmap")).unwrap();
-        let hulls: Vec<_> = pack.hulls().map(|hull| (hull.name(), hull.rank(), hull.vertex_count())).collect();
-        assert_eq!(hulls, [("left_cube", 3, 8), ("right_octahedron", 3, 6)]);
-        let volumes: Vec<f64> = pack.hulls().map(|hull| hull.volume()).collect();
-        assert!((volumes[0] - 8.0).abs() < 1e-6 && (volumes[1] - 4.0 / 3.0).abs() < 1e-6, "{volumes:?}");
-        let packed = out.path().join("two_objects.hullmap");
-        let line = ["verify", packed.to_str().unwrap(), "--source", "assets/two_objects.obj", "--json"];
-        let reports = bake(line).expect(0).json();
-        assert_eq!(reports.len(), 2);
-        assert!(reports.iter().all(|report| report["pass"] == true && report["against"] == "source"));
-    }
-}
-
-#[test]
 fn bytes_depend_only_on_sources_and_options() {
     let bakes = [&[][..], &[], &["--jobs", "1"], &["--jobs", "16"]].map(|jobs| {
         let out = tempfile::tempdir().unwrap();

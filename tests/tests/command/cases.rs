@@ -66,8 +66,11 @@ impl Case {
                 shown += &format!("{}\n", cells.join(" | "));
             }
         }
+        // Below a wrong argument stand two paragraphs of clap's.
+        let usage = Regex::new(r"\n\nUsage: .*\n\nFor more information, try '--help'\.").unwrap();
+        let stderr = usage.replace_all(&run.stderr, "");
         // Progress depends on the time.
-        let messages = run.stderr.lines().filter(|line| !line.contains(" files; in progress: "));
+        let messages = stderr.lines().filter(|line| !line.contains(" files; in progress: "));
         messages.for_each(|line| shown += &format!("{}\n", format!("! {line}").trim_end()));
         let is_read_as_step = |line: &str| ["$ ", "> ", "```"].iter().any(|mark| line.starts_with(mark));
         assert!(!shown.lines().any(is_read_as_step), "{step}: a line of the output reads as a step: {shown}");
@@ -139,4 +142,4 @@ macro_rules! files {
     };
 }
 
-files! { check decompose export farm input names options report robot untrusted verify }
+files! { check decompose export farm input names options report robot surfaces untrusted verify }

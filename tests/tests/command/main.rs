@@ -4,7 +4,6 @@ mod assets;
 mod budgets;
 #[cfg(target_os = "linux")]
 mod cases;
-mod decompose;
 mod document;
 mod export;
 mod farm;
@@ -19,8 +18,6 @@ mod primitives;
 mod report;
 mod robot;
 mod scenes;
-mod sources;
-mod subcommands;
 mod surfaces;
 #[cfg(unix)]
 mod untrusted;

@@ -1,16 +1,16 @@
-//! Simplified hulls and convex parts, from the command to the runtime. Recorded errors are measured
-//! here by other means.
+//! Convex parts, from the command to the runtime. What a pack records is compared with figures found
+//! here by other means, and `bake verify` finds records that are wrong.
 
 use std::fs;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use hullmap::{Cache, Compound, Pack, Pose, Settings, Voids};
 use hullmap_bake::{
     BakedHull, IndexKind, NO_SOURCE_VERTEX, PointSet, SolidKind, SourceRecord, bake_hull, fit::fits, write_pack,
 };
 use hullmap_format::{archive::ArchivedHullRecord, header::source_hash, version::EXTENDED_FORMAT_VERSION};
-use hullmap_outside::command::{bake_in, bake_line as bake};
-use hullmap_testkit::packs::{self, Further, reseal};
+use hullmap_outside::command::bake_line as bake;
+use hullmap_testkit::packs::{self, Further};
 use hullmap_tests::hostile::patch::{archive, changed, payload};
 use shapes::{
     concave,
@@ -24,21 +24,29 @@ use tempfile::TempDir;
 const HORSESHOE: [[[f64; 3]; 2]; 3] =
     [[[0.0, 0.0, 0.0], [3.0, 1.0, 1.0]], [[0.0, 1.0, 0.0], [1.0, 3.0, 1.0]], [[2.0, 1.0, 0.0], [3.0, 3.0, 1.0]]];
 
-fn horseshoe(name: &str) -> String {
-    let mut text = format!("o {name}\n");
-    for [low, high] in HORSESHOE {
-        for i in 0..8 {
-            let corner: [f64; 3] = std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
-            text += &format!("v {} {} {}\n", corner[0], corner[1], corner[2]);
+/// An OBJ file of boxes, each in the object of its name, or in the object before it if the name is
+/// empty.
+pub fn boxes(boxes: &[(&str, [[f64; 3]; 2])]) -> String {
+    let mut text = String::new();
+    for (index, (name, bounds)) in boxes.iter().enumerate() {
+        if !name.is_empty() {
+            text += &format!("o {name}\n");
         }
-    }
-    for first in [1, 9, 17] {
+        for i in 0..8 {
+            let [x, y, z]: [f64; 3] = std::array::from_fn(|axis| bounds[i >> axis & 1][axis]);
+            text += &format!("v {x} {y} {z}\n");
+        }
         for quad in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
-            let [a, b, c, d] = quad.map(|corner| corner + first);
+            let [a, b, c, d] = quad.map(|corner| corner + 8 * index + 1);
             text += &format!("f {a} {b} {c} {d}\n");
         }
     }
     text
+}
+
+fn horseshoe(name: &str) -> String {
+    let [base, left, right] = HORSESHOE;
+    boxes(&[(name, base), ("", left), ("", right)])
 }
 
 fn points(points: &[[f32; 3]]) -> String {
@@ -97,89 +105,6 @@ fn a_decomposed_mesh_has_its_gaps_and_is_verified() {
     }
     println!("{hits} hits, {in_hull} in the hull of all");
     assert!(hits > 1_000 && hits + 300 < in_hull, "the gap between the arms is free: {hits} {in_hull}");
-}
-
-#[test]
-fn parts_have_the_same_bytes_on_any_number_of_threads() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("u.obj"), horseshoe("u")).unwrap();
-    fs::write(folder.path().join("rock.obj"), points(&Family::Rock.points(800, 3))).unwrap();
-    let bytes = |jobs: u32| {
-        let line = format!("build u.obj rock.obj --out out{jobs} --decompose --max-vertices 24 --jobs {jobs}");
-        bake(&folder, &line).expect(0);
-        ["u", "rock"].map(|stem| fs::read(folder.path().join(format!("out{jobs}/{stem}.hullmap"))).unwrap())
-    };
-    let one = bytes(1);
-    assert!(bytes(2) == one && bytes(16) == one);
-}
-
-#[test]
-fn a_simplified_hull_contains_its_source_and_records_its_outer_error() {
-    let folder = tempfile::tempdir().unwrap();
-    let source = Family::Rock.points(3_000, 5);
-    fs::write(folder.path().join("rock.obj"), points(&source)).unwrap();
-    bake(&folder, "build rock.obj --out few --max-vertices 48 --verify").expect(0);
-    bake(&folder, "build rock.obj --out near --max-error 0.01 --verify").expect(0);
-    bake(&folder, "build rock.obj --out all --max-vertices 3000").expect(0);
-    let table = bake(&folder, "verify few").expect(0).stdout;
-    assert!(
-        table.contains("contains its source  ") && table.contains("\n0 exact, 1 simplified, 0 failed; "),
-        "{table}"
-    );
-    let mut rng = SplitMix64::new(9);
-    let mut counts = Vec::new();
-    for (folder_name, is_exact) in [("few", false), ("near", false), ("all", true)] {
-        let pack = Pack::open(folder.path().join(folder_name).join("rock.hullmap")).unwrap();
-        let hull = pack.hull(0).unwrap();
-        counts.push(hull.vertex_count());
-        assert_eq!(hull.outer_error() == 0.0, is_exact, "{folder_name}");
-        assert_eq!(hull.source_vertex(0).is_some(), is_exact);
-        let mut max_outside = 0.0_f64;
-        for _ in 0..5_000 {
-            let dir = Vec3::from_array(rng.direction().map(|c| c as f32));
-            let reach = |p: Vec3| p.as_dvec3().dot(dir.as_dvec3()) / dir.as_dvec3().length();
-            let theirs = source.iter().map(|p| reach(Vec3::from_array(*p))).fold(f64::NEG_INFINITY, f64::max);
-            let outside = reach(hull.support(dir).point) - theirs;
-            assert!(outside >= -1e-12 && outside <= hull.outer_error() + 1e-12, "{folder_name}: {outside:e}");
-            max_outside = max_outside.max(outside);
-        }
-        assert!(max_outside >= 0.5 * hull.outer_error(), "{folder_name}: {max_outside} of {}", hull.outer_error());
-        let report = &bake(&folder, &format!("verify {folder_name} --json")).expect(0).json()[0];
-        let is_stated = |value: &serde_json::Value| {
-            value["outer_error"].as_f64().is_some_and(|error| (error - hull.outer_error()).abs() <= 1e-12)
-        };
-        assert!(is_stated(report), "{report}");
-        let shown =
-            &bake(&folder, &format!("inspect {folder_name}/rock.hullmap --json")).expect(0).json()[0]["hulls"][0];
-        assert!(is_stated(shown), "{shown}");
-    }
-    println!("{counts:?} vertices");
-    assert!(counts[0] <= 48 && counts[1] < counts[2] && counts[1] > 48, "{counts:?}");
-}
-
-/// `verify` measures the recorded error again. If the record is too small, it fails and prints the
-/// measured error.
-#[test]
-fn a_simplified_hull_with_too_small_a_recorded_error_fails_verify() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("rock.obj"), points(&Family::Rock.points(400, 5))).unwrap();
-    bake(&folder, "build rock.obj --out few --max-vertices 48 --verify").expect(0);
-    let path = folder.path().join("few/rock.hullmap");
-    let promise = Pack::open(&path).unwrap().hull(0).unwrap().outer_error();
-    for (share, exit) in [(1.01, 0), (0.99, 1), (0.5, 1)] {
-        let mut file = fs::read(&path).unwrap();
-        let offsets: Vec<usize> =
-            file.windows(8).enumerate().filter(|(_, w)| **w == promise.to_le_bytes()).map(|(at, _)| at).collect();
-        let [at] = offsets[..] else { panic!("{promise:e} at {offsets:?}") };
-        file[at..at + 8].copy_from_slice(&(promise * share).to_le_bytes());
-        reseal(&mut file);
-        fs::create_dir_all(folder.path().join("false")).unwrap();
-        fs::write(folder.path().join("false/rock.hullmap"), file).unwrap();
-        let ran = bake(&folder, "verify false --source rock.obj --json").expect(exit);
-        let row = &ran.json()[0];
-        assert_eq!(row["pass"], exit == 0, "{share}: {row}");
-        println!("{share}: {row}");
-    }
 }
 
 /// Verifies a pack whose recorded lengths were multiplied by a factor, and returns the exit code's
@@ -322,49 +247,6 @@ fn wrong_voids_fail_verify() {
     assert!(is_same("voids", voids.share) && is_same("voids_error", voids.error), "{of_hull} {voids:?}");
 }
 
-/// The collision parts of a solid cube: six slabs around a hollow that is an eighth of it.
-#[test]
-fn voids_and_overlap_are_stated() {
-    let folder = tempfile::tempdir().unwrap();
-    let corner = |[low, high]: [[f64; 3]; 2], i: usize| -> [f64; 3] {
-        std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] })
-    };
-    let (mut text, mut count) = (String::new(), 0);
-    let mut add = |name: &str, bounds: [[f64; 3]; 2]| {
-        text += &format!("o {name}\n");
-        for [x, y, z] in (0..8).map(|i| corner(bounds, i)) {
-            text += &format!("v {x} {y} {z}\n");
-        }
-        for [a, b, c, d] in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
-            text += &format!("f {} {} {} {}\n", a + count + 1, b + count + 1, c + count + 1, d + count + 1);
-        }
-        count += 8;
-    };
-    add("Crate", [[0.0; 3], [4.0; 3]]);
-    for side in 0..6 {
-        let (mut low, mut high) = ([0.0; 3], [4.0; 3]);
-        if side < 3 {
-            high[side] = 1.0
-        } else {
-            low[side - 3] = 3.0
-        }
-        add(&format!("UCX_Crate_0{side}"), [low, high]);
-    }
-    fs::write(folder.path().join("x.obj"), text).unwrap();
-    let built = bake(&folder, "build x.obj --out baked --split auto --json").expect(0).json()[0].clone();
-    let object = &built["objects"][0];
-    let near = |value: &serde_json::Value, truth: f64, room: f64| (value.as_f64().unwrap() - truth).abs() < room;
-    // Six slabs of 16 have a union of 64 − 8.
-    assert!(near(&object["voids"], 0.125, 1e-4) && near(&object["overlap"], 96.0 / 56.0 - 1.0, 0.01), "{object}");
-    assert!(object["voids_error"].as_f64().unwrap() < 1e-3 && near(&object["mean_protrusion"], 0.0, 1e-9), "{object}");
-    assert!(built["notes"].to_string().contains("leave 12.5% of the solid empty"), "{built}");
-    let row = bake(&folder, "verify baked --source x.obj --json").expect(0).json()[0].clone();
-    assert_eq!((&row["parts"]["voids"], &row["parts"]["overlap"]), (&object["voids"], &object["overlap"]));
-    fs::rename(folder.path().join("x.obj"), folder.path().join("gone")).unwrap();
-    let row = bake(&folder, "verify baked --json").expect(0).json()[0].clone();
-    assert_eq!((&row["parts"]["voids"], &row["parts"]["overlap"]), (&serde_json::Value::Null, &object["overlap"]));
-}
-
 /// Packs of versions that had V-HACD: they open, and are stale with a reason.
 #[test]
 fn packs_of_removed_options_open_and_are_stale() {
@@ -458,24 +340,18 @@ fn packs_made_by_hand_are_judged_as_well() {
 #[test]
 fn collision_parts_with_their_mesh_are_measured() {
     let folder = tempfile::tempdir().unwrap();
-    let [base, left, right] = HORSESHOE.map(|bar| bar.map(|corner| corner.map(|c| c as f32)));
-    let mut text = horseshoe("Chair");
-    let mut count = 24;
+    let [base, left, right] = HORSESHOE;
     // The left part is wider than the arm; a part of another mesh is between the two.
     let wide = [left[0], [left[1][0] + 0.25, left[1][1], left[1][2]]];
-    for (name, [low, high]) in
-        [("UCX_Chair_00", base), ("UCX_Lamp", left), ("UCX_Chair_01", wide), ("UBX_Chair_02", right)]
-    {
-        text += &format!("o {name}\n");
-        for i in 0..8 {
-            let corner: [f32; 3] = std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
-            text += &format!("v {} {} {}\n", corner[0], corner[1], corner[2]);
-        }
-        for [a, b, c, d] in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
-            text += &format!("f {} {} {} {}\n", a + count + 1, b + count + 1, c + count + 1, d + count + 1);
-        }
-        count += 8;
-    }
+    let text = boxes(&[
+        ("Chair", base),
+        ("", left),
+        ("", right),
+        ("UCX_Chair_00", base),
+        ("UCX_Lamp", left),
+        ("UCX_Chair_01", wide),
+        ("UBX_Chair_02", right),
+    ]);
     fs::write(folder.path().join("x.obj"), text).unwrap();
     bake(&folder, "build x.obj --out baked --split auto --recentre --verify").expect(0);
     let file = fs::read(folder.path().join("baked/x.hullmap")).unwrap();
@@ -497,109 +373,4 @@ fn collision_parts_with_their_mesh_are_measured() {
     let table = bake(&folder, "verify baked --hulls --source x.obj").expect(0).stdout;
     assert!(table.contains("\n3 exact, 1 part within its bounds, 0 failed"), "{table}");
     verify_edited(&folder, &file, OVERSTATED, |record| &record.protrusion, 1);
-}
-
-/// With whole packs, `bake query` answers for the deciding pair of hulls, and names it.
-#[test]
-fn the_command_queries_whole_packs() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("u.obj"), horseshoe("u")).unwrap();
-    bake(&folder, "build u.obj --out baked --decompose").expect(0);
-    let file = "baked/u.hullmap";
-    let query = |b: &str, mode: &str, x: f64| {
-        let pose = format!("{x} 0 0 0 0 0 1");
-        let words = ["query", file, b, "--mode", mode, "--json", "--pose", &pose];
-        bake_in(folder.path(), words).expect(0).json().remove(0)
-    };
-    let pack = Pack::open(folder.path().join(file)).unwrap();
-    let pose = Pose::from_translation(DVec3::new(3.5, 0.0, 0.0)).unwrap();
-    let slow = pack
-        .hulls()
-        .flat_map(|a| pack.hulls().map(move |b| (a, b)))
-        .map(|(a, b)| hullmap::distance(&a, &b, pose, &Settings::default(), &mut Cache::new()).distance);
-    let slow = slow.fold(f64::INFINITY, f64::min);
-    let answer = query(file, "distance", 3.5);
-    assert!((answer["distance"].as_f64().unwrap() - slow).abs() < 1e-5 && (slow - 0.5).abs() < 1e-5, "{answer}");
-    assert!(answer["hull_a"].as_str().unwrap().starts_with("u_part_"), "{answer}");
-    let answer = query(file, "contact", 2.75);
-    assert_eq!((&answer["hit"], answer["depth"].as_f64().unwrap() > 0.1), (&true.into(), true), "{answer}");
-    assert_eq!(query(file, "contact", 4.0)["hit"], false);
-    assert_eq!(query(file, "intersect", 2.9)["hit"], true);
-    let table = bake(&folder, &format!("query {file} {file} --mode distance")).expect(0).stdout;
-    assert!(table.contains("hull of A") && table.lines().nth(1).unwrap().matches("u_part_").count() == 2, "{table}");
-    assert!(!bake(&folder, &format!("query {file}#0 {file}#1")).expect(0).stdout.contains("hull of A"));
-    let one = query("baked/u.hullmap#0", "distance", 30.0);
-    assert!(one["distance"].as_f64().unwrap() > 20.0 && one["hull_b"].is_string(), "{one}");
-}
-
-/// The images of parts are computed here from what `inspect` prints.
-#[test]
-fn parts_of_a_symmetric_mesh_are_mirrored_unless_symmetry_is_ignored() {
-    let folder = tempfile::tempdir().unwrap();
-    // Two boxes that touch a third in the middle, about x = 0.
-    let boxes = [[[-1, 0, 0], [1, 1, 1]], [[-3, 0, 0], [-1, 2, 1]], [[1, 0, 0], [3, 2, 1]]];
-    let mut text = String::new();
-    for [low, high] in boxes {
-        for i in 0..8 {
-            let [x, y, z] = std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
-            text += &format!("v {x} {y} {z}\n");
-        }
-    }
-    for first in [1, 9, 17] {
-        for quad in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
-            let [a, b, c, d] = quad.map(|corner: usize| corner + first);
-            text += &format!("f {a} {b} {c} {d}\n");
-        }
-    }
-    fs::write(folder.path().join("u.obj"), text).unwrap();
-    let row = bake(&folder, "build u.obj --out o --decompose --verify --json").expect(0).json()[0].clone();
-    assert_eq!(row["objects"][0]["symmetry"], serde_json::json!({"normal": [1.0, 0.0, 0.0], "offset": 0.0}), "{row}");
-    assert!(row["notes"].to_string().contains("u: the parts are symmetric about x = 0"), "{row}");
-    let pack = bake(&folder, "inspect o/u.hullmap --vertices --json").expect(0).json()[0].clone();
-    let sorted = |hull: &serde_json::Value, sign: f64| {
-        let at = |p: &serde_json::Value| [0, 1, 2].map(|axis| p[axis].as_f64().unwrap());
-        let points = hull["positions"].as_array().unwrap().iter().map(at);
-        let mut points: Vec<[f64; 3]> = points.map(|[x, y, z]| [sign * x + 0.0, y, z]).collect();
-        points.sort_by(|a, b| a.partial_cmp(b).unwrap());
-        points
-    };
-    let hulls = pack["hulls"].as_array().unwrap();
-    assert!(hulls.len() > 1 && hulls.iter().all(|hull| hull["symmetry"]["offset"] == 0.0), "{pack}");
-    let all: Vec<_> = hulls.iter().map(|hull| sorted(hull, 1.0)).collect();
-    assert!(hulls.iter().all(|hull| all.contains(&sorted(hull, -1.0))), "{all:?}");
-    let text = bake(&folder, "inspect o/u.hullmap").expect(0).stdout;
-    assert!(text.contains("of its object, symmetric about x = 0"), "{text}");
-    let ignored = bake(&folder, "build u.obj --out i --decompose --symmetry none --json").expect(0).json()[0].clone();
-    assert!(ignored["options"].to_string().contains("symmetry none"), "{ignored}");
-}
-
-/// A box with a closed cavity. Its hull protrudes into the cavity, which no ball can reach.
-#[test]
-fn cavities_cost_no_parts_where_no_ball_can_reach() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut text = String::new();
-    for (low, high) in [(0, 10), (1, 9)] {
-        for i in 0..8 {
-            let [x, y, z] = [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { low } else { high });
-            text += &format!("v {x} {y} {z}\n");
-        }
-    }
-    for (first, is_turned) in [(1, false), (9, true)] {
-        for quad in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
-            let [a, b, c, d] = quad.map(|corner: usize| corner + first);
-            text += &if is_turned { format!("f {a} {d} {c} {b}\n") } else { format!("f {a} {b} {c} {d}\n") };
-        }
-    }
-    fs::write(folder.path().join("hollow.obj"), text).unwrap();
-    let row = bake(&folder, "build hollow.obj --out o --decompose --json").expect(0).json()[0].clone();
-    assert!(row["hulls"].as_u64().unwrap() >= 6, "{row}");
-    assert_eq!(row["objects"][0]["reachable"], serde_json::Value::Null, "{row}");
-    let line = "build hollow.obj --out r --decompose --reachable 1 --json";
-    let row = bake(&folder, line).expect(0).json()[0].clone();
-    assert_eq!((&row["hulls"], &row["objects"][0]["reachable"]), (&1.into(), &1.0.into()), "{row}");
-    assert!(row["objects"][0]["protrusion"].as_f64().unwrap() <= 0.02 * 300_f64.sqrt(), "{row}");
-    assert!(row["notes"].to_string().contains("where a ball of radius 1 can get from outside"), "{row}");
-    bake(&folder, "verify r/hollow.hullmap --json").expect(0);
-    let text = bake(&folder, "inspect r/hollow.hullmap").expect(0).stdout;
-    assert!(text.contains("protrusion counts where a ball of radius 1 can get from outside"), "{text}");
 }

@@ -14,6 +14,8 @@ use shapes::{
     solids::lathe,
 };
 
+use crate::parts::boxes;
+
 const SEED: u64 = 47;
 
 /// A slab on four legs of different heights.
@@ -26,20 +28,7 @@ const TABLE: [[[f64; 3]; 2]; 5] = [
 ];
 
 fn table() -> String {
-    let mut text = "o table\n".to_owned();
-    for [low, high] in TABLE {
-        for i in 0..8 {
-            let [x, y, z]: [f64; 3] = std::array::from_fn(|k| if i >> k & 1 == 0 { low[k] } else { high[k] });
-            text += &format!("v {x} {y} {z}\n");
-        }
-    }
-    for first in (0..TABLE.len()).map(|leg| 8 * leg + 1) {
-        for quad in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
-            let [a, b, c, d] = quad.map(|corner: usize| corner + first);
-            text += &format!("f {a} {b} {c} {d}\n");
-        }
-    }
-    text
+    boxes(&TABLE.map(|bounds| ("", bounds)))
 }
 
 /// A body of revolution with round ends, between which it is straight.

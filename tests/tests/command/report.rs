@@ -183,27 +183,6 @@ fn a_page_draws_mesh_hull_and_map() {
     }
 }
 
-/// The page shows meshes as the importer placed them: other formats, scaled and turned.
-#[test]
-fn meshes_of_any_format_are_shown_as_they_were_placed() {
-    let folder = tempfile::tempdir().unwrap();
-    let corners = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"];
-    let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]].map(|face| {
-        let corners = face.map(|corner| format!("vertex {}\n", corners[corner])).concat();
-        format!("facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet\n")
-    });
-    fs::create_dir(folder.path().join("in")).unwrap();
-    fs::write(folder.path().join("in/corner.stl"), format!("solid corner\n{}endsolid corner\n", faces.concat()))
-        .unwrap();
-    run(&folder, &["build", "in", "--out", "packs", "--unit-scale", "0.01", "--up-axis", "y-to-z"]).expect(0);
-    let page = page(&folder, "corner");
-    assert!(text(&page).contains("\"source\":{\"low\":[0.0,-0.01,0.0],\"size\":[0.01,0.01,0.01]"));
-    let Some(browser) = browser("meshes_of_any_format_are_shown_as_they_were_placed") else { return };
-    let loaded = load(browser, &page, &[]);
-    loaded.assert_sound();
-    assert!(loaded.dom.contains("Source mesh: 4 points, 4 triangles") && loaded.share("source") > 0.05);
-}
-
 #[test]
 fn a_pack_of_many_hulls_has_a_choice() {
     let folder = baked(&["two_objects"], &["--split", "object"]);
@@ -315,11 +294,6 @@ fn decoded(link: &str) -> String {
     String::from_utf8(bytes).unwrap()
 }
 
-/// A U whose two ends are polygons of eight corners that turn inwards at two.
-fn concave_prism() -> String {
-    prism(&[(0.0, 0.0), (3.0, 0.0), (3.0, 3.0), (2.0, 3.0), (2.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)])
-}
-
 /// A comb of three teeth, of which two are so close to each other that a loose part holds both.
 fn comb() -> String {
     let teeth = [(4.2, 3.0), (3.2, 3.0), (3.2, 1.0), (3.0, 1.0), (3.0, 3.0), (2.0, 3.0), (2.0, 1.0), (1.0, 1.0)];
@@ -368,47 +342,13 @@ fn hulls_of(folder: &TempDir) -> Vec<serde_json::Value> {
     run(folder, &["inspect", "packs", "--json"]).expect(0).json()[0]["hulls"].as_array().unwrap().clone()
 }
 
-#[test]
-fn parts_are_pulled_apart_and_the_greatest_protrusion_is_marked() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("u.obj"), concave_prism()).unwrap();
-    run(&folder, &["build", "u.obj", "--out", "packs", "--decompose"]).expect(0);
-    let page = page(&folder, "u");
-    let hulls = hulls_of(&folder);
-    let of = |hull: &serde_json::Value| hull["protrusion"].as_f64().unwrap();
-    let worst = (0..hulls.len()).fold(0, |worst, hull| if of(&hulls[hull]) > of(&hulls[worst]) { hull } else { worst });
-    let drawn = &data(&text(&page))["hulls"][worst];
-    assert_eq!(
-        (&drawn["protrusion"], &drawn["protrusion_at"]),
-        (&hulls[worst]["protrusion"], &hulls[worst]["protrusion_at"])
-    );
-    let Some(browser) = browser("parts_are_pulled_apart_and_the_greatest_protrusion_is_marked") else { return };
-    let still = load(browser, &page, &[]);
-    still.assert_sound();
-    let html = "html ";
-    let state = |loaded: &Loaded| {
-        [loaded.attribute(html, "data-spread").to_owned(), loaded.attribute(html, "data-spot").to_owned()]
-    };
-    assert_eq!(state(&still), ["0".to_owned(), worst.to_string()]);
-    let caption = format!("Protrusion of {}: at most ", hulls[worst]["name"].as_str().unwrap());
-    assert!(still.dom.contains(&caption), "{caption}");
-    let act = "<script>{ const act = (id, change, kind) => { change(document.getElementById(id)); \
-               document.getElementById(id).dispatchEvent(new Event(kind)); }; \
-               act(\"spread\", (slider) => { slider.value = 1; }, \"input\"); \
-               act(\"show-protrusion\", (box) => { box.checked = false; }, \"change\"); }</script></body>";
-    fs::write(folder.path().join("apart.html"), text(&page).replace("</body>", act)).unwrap();
-    let apart = load(browser, &folder.path().join("apart.html"), &[]);
-    apart.assert_sound();
-    assert_eq!(state(&apart), ["1", "none"]);
-}
-
 /// The table of hulls was cut off at 1,400 px, and its last columns had to be scrolled into view.
 #[test]
 fn tables_fit_a_screen_of_1400_px() {
     let folder = tempfile::tempdir().unwrap();
     let name = "a_long_name_without_spaces_of_a_mesh_that_somebody_exported";
     fs::create_dir(folder.path().join("in")).unwrap();
-    fs::write(folder.path().join(format!("in/{name}.obj")), concave_prism()).unwrap();
+    fs::write(folder.path().join(format!("in/{name}.obj")), comb()).unwrap();
     let points = Family::Rock.points(2_000, 5);
     let cloud = |scale: f32| -> String {
         points.iter().map(|p| p.map(|x| x * scale)).map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect()
@@ -462,13 +402,21 @@ fn the_worst_part_is_first_and_has_its_colour() {
     }
     assert!(section.contains("chip good\">fit for physics engines<"));
     let Some(browser) = browser("the_worst_part_is_first_and_has_its_colour") else { return };
-    let act = "document.querySelectorAll('tr[data-part] button')[1].click();";
+    // The page marks the greatest protrusion. The slider pulls the parts apart.
+    let state = |loaded: &Loaded| ["data-spread", "data-spot"].map(|name| loaded.attribute("html ", name).to_owned());
+    let worst = section.split("<tr data-part=\"").nth(1).unwrap().split('"').next().unwrap();
+    assert_eq!(state(&load(browser, &page, &[])), ["0", worst]);
+    let act = "const act = (id, change, kind) => { change(document.getElementById(id)); \
+               document.getElementById(id).dispatchEvent(new Event(kind)); }; \
+               act('spread', (slider) => { slider.value = 1; }, 'input'); \
+               act('show-protrusion', (box) => { box.checked = false; }, 'change'); \
+               document.querySelectorAll('tr[data-part] button')[1].click();";
     let loaded = acted(browser, &page, act);
     loaded.assert_sound();
+    assert_eq!(state(&loaded), ["1", "none"]);
     let second = loaded.attribute("html ", "data-part").to_owned();
-    assert!(loaded.dom.contains(&format!(
-        "<tr data-part=\"{second}\"><td class=\"word name\"><button type=\"button\" aria-pressed=\"true\""
-    )));
+    let pressed = "<td class=\"word name\"><button type=\"button\" aria-pressed=\"true\"";
+    assert!(loaded.dom.contains(&format!("<tr data-part=\"{second}\">{pressed}")));
 }
 
 #[test]
@@ -511,46 +459,6 @@ fn convex_parts_are_verified_against_the_source_cut_again() {
     for text in remarks {
         assert!(page.contains(&format!("</strong> {text}</li>")), "{text}");
     }
-
-    // The ends keep the gaps of the comb. A fan from an end's first corner would close them.
-    run(&folder, &["build", "u.obj", "--out", "gap", "--decompose"]).expect(0);
-    let volumes = run(&folder, &["inspect", "gap", "--json"]).expect(0).json();
-    let hulls = volumes[0]["hulls"].as_array().unwrap();
-    let volume: f64 = hulls.iter().map(|hull| hull["volume"].as_f64().unwrap()).sum();
-    assert!((10.1..10.7).contains(&volume), "{volume}, where the mesh has 10.2");
-}
-
-#[test]
-fn simplified_hulls_are_reported_to_contain_their_source() {
-    let folder = tempfile::tempdir().unwrap();
-    let points: String = Family::Rock.points(2_000, 5).iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
-    fs::write(folder.path().join("rock.obj"), points).unwrap();
-    for (more, kind, limit) in [("32", "Warning", 1e-2..f64::INFINITY), ("200", "Note", 1e-9..1e-2)] {
-        let words = ["build", "rock.obj", "--out", "packs", "--max-vertices", more, "--json"];
-        let built = run(&folder, &words).expect(0).json();
-        run(&folder, &["report", "packs/rock.hullmap", "--out", "page.html"]).expect(0);
-        let page = text(folder.path().join("page.html"));
-        assert!(page.contains("class=\"chip good\">contains its source<") && !page.contains(">exact<"));
-        let inspected = run(&folder, &["inspect", "packs", "--json"]).expect(0).json();
-        let hull = &inspected[0]["hulls"][0];
-        let (error, diameter) = (hull["outer_error"].as_f64().unwrap(), hull["diameter"].as_f64().unwrap());
-        assert!(limit.contains(&(error / diameter)), "{more}: {error}");
-        let shown: f64 = column(&page, OF_HULLS, "outer error")[0].replace('−', "-").parse().unwrap();
-        assert!((shown - error).abs() < 0.01 * error, "{shown} {error}");
-        assert_eq!(column(&page, OF_HULLS, "uncovered"), ["–"]);
-        assert_eq!(data(&page)["hulls"][0]["vertices"], hull["vertices"]);
-        let list = if kind == "Note" { "notes" } else { "warnings" };
-        let remark =
-            built[0][list].as_array().unwrap().iter().find(|text| text.to_string().contains("beyond the source"));
-        let remark = remark.unwrap_or_else(|| panic!("{built:?}")).as_str().unwrap();
-        assert!(page.contains(&format!("<strong>{kind}:</strong> {remark}</li>")), "{remark}");
-    }
-
-    // The result is the same in a folder, and with an explicit source.
-    fs::rename(folder.path().join("packs/rock.hullmap"), folder.path().join("packs/other.hullmap")).unwrap();
-    run(&folder, &["verify", "packs", "--source", "rock.obj"]).expect(0);
-    run(&folder, &["report", "packs", "--source", "rock.obj", "--out", "index.html"]).expect(0);
-    assert!(text(folder.path().join("index.html")).contains("all verified"));
 }
 
 #[test]
@@ -581,34 +489,6 @@ fn hostile_names_stay_text() {
         loaded.dom.contains("&lt;img src=x onerror=alert(1)&gt; \"'&amp; ☃ é</option>"),
         "the choice names the hull"
     );
-}
-
-#[test]
-fn missing_or_changed_sources_are_reported() {
-    let folder = baked(&["gear"], &[]);
-    let pack = "packs/gear.hullmap";
-    fs::create_dir(folder.path().join("elsewhere")).unwrap();
-    fs::rename(folder.path().join("in/gear.obj"), folder.path().join("elsewhere/gear.obj")).unwrap();
-    run(&folder, &["report", pack, "--out", "page.html"]).expect(0);
-    let page = text(folder.path().join("page.html"));
-    assert!(page.contains("the source was not found, so the hull is shown alone"));
-    assert!(page.contains("exact for the stored hull") && page.contains("\"source\":null"));
-    if let Some(browser) = browser("missing_or_changed_sources_are_reported") {
-        let loaded = load(browser, &folder.path().join("page.html"), &[]);
-        loaded.assert_sound();
-        assert!(loaded.share("hull") > 0.05);
-        assert!(loaded.attribute("id=\"pair\"", "class").contains("alone"));
-    }
-
-    run(&folder, &["report", pack, "--out", "page.html", "--source", "elsewhere"]).expect(0);
-    assert!(!text(folder.path().join("page.html")).contains("shown alone"));
-    run(&folder, &["report", pack, "--out", "page.html", "--source", "gone.obj"]).expect(2);
-
-    fs::write(folder.path().join("in/gear.obj"), "v 0 0 0\n").unwrap();
-    let run = run(&folder, &["report", pack, "--out", "page.html"]).expect(1);
-    assert!(run.stderr.contains("stale"), "{run:?}");
-    let page = text(folder.path().join("page.html"));
-    assert!(page.contains("class=\"chip bad\">failed<") && page.contains("stale"));
 }
 
 #[test]

@@ -41,17 +41,21 @@ fn make_pipe(path: &Path) {
     assert!(Command::new("mkfifo").arg(path).status().unwrap().success());
 }
 
-/// Writes the pack of a tetrahedron that records this source.
-fn write_pack(path: &Path, source: &str) {
-    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let record = SourceRecord {
-        path: source.to_owned(),
+/// What a pack of [`CUBE`] records, with this index.
+fn record(path: &str, index: &str) -> SourceRecord {
+    SourceRecord {
+        path: path.to_owned(),
         hash: source_hash(CUBE.as_bytes()),
-        options: "split none, vertices referenced, index none".to_owned(),
+        options: format!("split none, vertices referenced, index {index}"),
         ..SourceRecord::default()
-    };
+    }
+}
+
+/// Writes the pack of a tetrahedron of this height that records this source.
+fn write_tetrahedron(path: &Path, height: f32, record: &SourceRecord) {
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, height]];
     fs::create_dir_all(path.parent().unwrap()).unwrap();
-    fs::write(path, packs::bytes(&[point_set("x", &corners)], IndexKind::None, &record).unwrap()).unwrap();
+    fs::write(path, packs::bytes(&[point_set("x", &corners)], IndexKind::Tree, record).unwrap()).unwrap();
 }
 
 /// A pack that recorded `../../../dev/zero` was read until the memory was full. A pipe blocked the
@@ -80,7 +84,7 @@ fn a_recorded_path_is_followed_only_inside_the_project() {
         ("../art/pipe".to_owned(), "is not a regular file"),
         ("../art".to_owned(), "is not a regular file"),
     ] {
-        write_pack(&pack, &path);
+        write_tetrahedron(&pack, 1.0, &record(&path, "none"));
         let ending = match reason {
             "leads out" => "leads out of the pack's project, so it was not followed",
             _ => "is not a regular file, so it was not read",
@@ -101,7 +105,7 @@ fn a_recorded_path_is_followed_only_inside_the_project() {
     // Inside the project, and through a link that stays inside, everything works as before.
     symlink("art", project.join("linked")).unwrap();
     for path in ["../art/x.obj", "../linked/x.obj"] {
-        write_pack(&pack, path);
+        write_tetrahedron(&pack, 1.0, &record(path, "none"));
         for (start, line) in
             [(".", "verify baked"), ("baked", "verify ."), ("baked", "verify p.hullmap"), ("art", "verify ../baked")]
         {
@@ -118,7 +122,8 @@ fn orphans_do_not_reveal_which_files_exist() {
     let folder = folder(&[("secret.obj", CUBE), ("home/project/in/a.obj", CUBE)]);
     let project = folder.path().join("home/project");
     for name in ["secret", "nothing"] {
-        write_pack(&project.join("o").join(format!("{name}.hullmap")), &format!("../../../{name}.obj"));
+        let record = record(&format!("../../../{name}.obj"), "none");
+        write_tetrahedron(&project.join("o").join(format!("{name}.hullmap")), 1.0, &record);
     }
     let run = bake(&project, "build in --out o --prune --json", 0);
     let rows: Vec<String> =
@@ -246,17 +251,24 @@ fn text_is_printed_by_one_file() {
 #[test]
 fn a_forged_pack_can_be_fresh() {
     let folder = folder(&[("in/x.obj", CUBE)]);
-    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.5]];
-    let record = SourceRecord {
-        path: "../in/x.obj".to_owned(),
-        hash: source_hash(CUBE.as_bytes()),
-        options: "split none, vertices referenced, index tree 8".to_owned(),
-        ..SourceRecord::default()
-    };
-    fs::create_dir(folder.path().join("o")).unwrap();
-    let bytes = packs::bytes(&[point_set("x", &corners)], IndexKind::Tree, &record).unwrap();
-    fs::write(folder.path().join("o/x.hullmap"), bytes).unwrap();
+    write_tetrahedron(&folder.path().join("o/x.hullmap"), 1.5, &record("../in/x.obj", "tree 8"));
     bake(folder.path(), "build in --out o --check", 0);
     bake(folder.path(), "verify o", 1);
     bake(folder.path(), "build in --out o --verify", 1);
+}
+
+/// Recorded warnings are bounded, and forge no line.
+#[test]
+fn untrusted_warnings_do_no_harm() {
+    let folder = folder(&[("in/x.obj", CUBE)]);
+    bake(folder.path(), "build in --out o", 0);
+    for (warnings, count) in [(vec!["a\nb\u{1b}[2J".to_owned()], 1), (vec!["x".repeat(20_000); 200], 100)] {
+        let record = SourceRecord { warnings, ..record("../in/x.obj", "tree 8") };
+        write_tetrahedron(&folder.path().join("o/x.hullmap"), 1.0, &record);
+        let run = bake_in(folder.path(), ["build", "in", "--out", "o", "--json"]).expect(0);
+        assert_eq!(run.json()[0]["status"], "fresh");
+        assert_eq!(run.json()[0]["warnings"].as_array().unwrap().len(), count);
+        assert_eq!(run.stderr.lines().count(), count);
+        assert!(run.stderr.len() < 2_000_000 && !run.stderr.contains('\u{1b}'), "{}", run.stderr.len());
+    }
 }

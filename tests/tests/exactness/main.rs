@@ -1,6 +1,5 @@
-//! Support queries are exact for all shapes, indices, scales and numbers of threads.
+//! Support queries are exact for all shapes, indices and scales.
 
 mod clouds;
 mod families;
 mod proof;
-mod threads;

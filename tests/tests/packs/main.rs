@@ -1,7 +1,6 @@
 //! Packs as files: the format as its page describes it, damaged and hostile files, files that
 //! change while they are mapped.
 
-mod contradictions;
 mod damage;
 mod format_document;
 mod fuzz_corpus;

@@ -20,7 +20,8 @@ use hullmap_format::{
     version::{EXTENDED_FORMAT_VERSION, LEAN_EXTENDED_FORMAT_VERSION},
     walk::Cost,
 };
-use hullmap_testkit::packs::{self, Further, point_set};
+use hullmap_outside::files::workspace;
+use hullmap_testkit::packs::{self, Further, point_set, reseal};
 use hullmap_tests::hostile::{
     patch::{archive, changed, offset_of, open_with, payload},
     samples,
@@ -75,7 +76,7 @@ fn sections_and_spans() {
     let at = offset_of(&file, |pack| &pack.spans[0]) - 1;
     let mut filled = file.clone();
     filled[at] = 7;
-    packs::reseal(&mut filled);
+    reseal(&mut filled);
     assert_eq!(message(&filled), format!("byte {} of the archive, before section spans, is not zero", at - 64));
     // A pack with all sections empty is consistent, but must not open.
     let of_records = |hulls: Vec<HullRecord>| {
@@ -417,7 +418,7 @@ fn lean_packs() {
     let of_version = |file: &[u8], version: u32| {
         let mut file = file.to_vec();
         file[8..12].copy_from_slice(&version.to_le_bytes());
-        packs::reseal(&mut file);
+        reseal(&mut file);
         message(&file)
     };
     assert_eq!(
@@ -569,4 +570,85 @@ fn bounding_volume_hierarchies() {
         [nodes[0].bounds_min[0]] = 0.5_f32
             => "bounding volume hierarchy: node 0: its box is not the union of the boxes of its children";
     }
+}
+
+/// The checks of each way to open, on files with one kind of damage each.
+#[test]
+fn each_way_to_open_skips_the_checks_in_its_name() {
+    let file = samples::named("two hulls, tree");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.hullmap");
+    assert_eq!(ways(&file), [true, true, true]);
+    let changed = |at: usize, bytes: &[u8], sealed: bool| {
+        let mut changed = file.clone();
+        changed[at..at + bytes.len()].copy_from_slice(bytes);
+        if sealed {
+            reseal(&mut changed);
+        }
+        changed
+    };
+    let vertex = offset_of(&file, |pack| &pack.vertices[0]);
+    assert_eq!(ways(&changed(vertex, &f32::NAN.to_le_bytes(), false)), [false, true, true], "the checksum");
+    assert_eq!(ways(&changed(vertex, &f32::NAN.to_le_bytes(), true)), [false, true, true], "a coordinate");
+    let span = offset_of(&file, |pack| &pack.spans[1].vertex);
+    assert_eq!(ways(&changed(span, &u32::MAX.to_le_bytes(), true)), [false, false, true], "the start of a hull's run");
+    let vector = file.len() - 4;
+    assert_eq!(
+        ways(&changed(vector, &u32::MAX.to_le_bytes(), true)),
+        [false, false, false],
+        "a vector outside the file"
+    );
+    assert_eq!(ways(&changed(8, &99_u32.to_le_bytes(), true)), [false, false, false], "the version");
+    assert_eq!(ways(&file[..file.len() - 1]), [false, false, false], "the length");
+    assert_eq!(ways(&[]), [false, false, false]);
+    // A hull whose data is out of range is reported as missing, and not read.
+    std::fs::write(&path, changed(span, &u32::MAX.to_le_bytes(), true)).unwrap();
+    assert!(Pack::open_skipping_checks(&path).unwrap().hull(0).is_err());
+}
+
+#[test]
+fn packs_of_other_versions_are_rejected() {
+    for version in 1..FORMAT_VERSION {
+        let file = std::fs::read(workspace().join(format!("tests/data/version-{version}.hullmap"))).unwrap();
+        let error = Pack::from_bytes(&file).unwrap_err().to_string();
+        assert_eq!(
+            u64::from_le_bytes(file[16..24].try_into().unwrap()),
+            file.len() as u64 - 64,
+            "the file is complete"
+        );
+        let mut sealed = file.clone();
+        reseal(&mut sealed);
+        assert_eq!(sealed, file, "the checksum is correct");
+        let start = format!("the file has format version {version}, but this build reads versions 7 to 10; ");
+        assert!(error.starts_with(&start) && error.contains("bake the source again"), "{error}");
+        // The bytes are invalid in this version, even if the header states this version.
+        let mut renamed = file.clone();
+        renamed[8..12].copy_from_slice(&FORMAT_VERSION.to_le_bytes());
+        reseal(&mut renamed);
+        assert!(Pack::from_bytes(&renamed).is_err(), "version {version} with the current version number");
+        assert!(ways(&renamed).iter().all(|opened| !opened), "version {version} with the current version number");
+    }
+    let file = samples::named("cube, tree");
+    for version in (0..64).chain([u32::MAX, 1 << 31, 0x0300_0000]) {
+        let mut other = file.clone();
+        other[8..12].copy_from_slice(&version.to_le_bytes());
+        for _ in 0..2 {
+            let opened = Pack::from_bytes(&other);
+            assert_eq!(opened.is_ok(), version == FORMAT_VERSION, "version {version}");
+            if let Err(error) = opened {
+                let remedy = if version > LEAN_EXTENDED_FORMAT_VERSION { "update hullmap" } else { "bake the source" };
+                assert!(error.to_string().contains(remedy), "{error}");
+                assert_eq!(ways(&other), [false; 3]);
+            }
+            reseal(&mut other);
+        }
+    }
+}
+
+/// Whether a file opens by each of the ways to open.
+fn ways(bytes: &[u8]) -> [bool; 3] {
+    let folder = tempfile::tempdir().unwrap();
+    let path = &folder.path().join("x.hullmap");
+    std::fs::write(path, bytes).unwrap();
+    [Pack::open(path), Pack::open_skipping_contents(path), Pack::open_skipping_checks(path)].map(|way| way.is_ok())
 }

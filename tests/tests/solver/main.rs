@@ -1,10 +1,8 @@
-//! Comparisons of the solver with references, and a rigid-body simulation with its contact
-//! manifolds.
+//! Comparisons of the solver with references.
 
 mod degenerate;
 mod meshes;
 mod primitives;
 mod regressions;
 mod soak;
-mod standing;
 mod warm;

@@ -1,7 +1,7 @@
-//! Packages that are published: what the registry and docs.rs show, what is in the package, and the
-//! lowest Rust version.
+//! Packages that are published: what the registry and docs.rs show, and what is in the package.
+//! `.ci/msrv` compiles them with the Rust versions that they state.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::sync::LazyLock;
@@ -10,16 +10,11 @@ use hullmap_outside::command::cargo;
 use hullmap_outside::files::workspace;
 use serde_json::Value;
 
-/// Everything in the lock file, and the packages of this workspace.
-fn metadata() -> &'static Value {
-    static METADATA: LazyLock<Value> = LazyLock::new(|| {
-        serde_json::from_slice(&cargo(["metadata", "--format-version", "1", "--locked"]).stdout).unwrap()
-    });
-    &METADATA
-}
-
 fn packages() -> &'static [Value] {
-    metadata()["packages"].as_array().unwrap()
+    static METADATA: LazyLock<Value> = LazyLock::new(|| {
+        serde_json::from_slice(&cargo(["metadata", "--format-version", "1", "--locked", "--no-deps"]).stdout).unwrap()
+    });
+    METADATA["packages"].as_array().unwrap()
 }
 
 fn name(package: &Value) -> &str {
@@ -33,17 +28,6 @@ fn published() -> Vec<&'static Value> {
 
 fn folder(package: &Value) -> &Path {
     Path::new(package["manifest_path"].as_str().unwrap()).parent().unwrap()
-}
-
-fn version(text: &str) -> Vec<u32> {
-    let mut numbers: Vec<u32> = text.split('.').map(|number| number.parse().unwrap()).collect();
-    numbers.resize(3, 0);
-    numbers
-}
-
-/// Dependencies of a package, without its tests.
-fn dependencies(package: &Value) -> impl Iterator<Item = &Value> {
-    package["dependencies"].as_array().unwrap().iter().filter(|dependency| dependency["kind"] != "dev")
 }
 
 #[test]
@@ -79,48 +63,12 @@ fn published_packages_say_what_they_are() {
     }
 }
 
-/// `.ci/package` packs all of them, and each after those that it depends on. A dependency in this
-/// workspace has a version, or the registry would reject the package.
+/// `.ci/package` packs all of them. cargo puts them in order, and rejects dependencies without a
+/// version.
 #[test]
-fn the_script_packs_them_in_order() {
+fn the_script_packs_them() {
     let script = fs::read_to_string(workspace().join(".ci/package")).unwrap();
     let list = script.split("packages=(").nth(1).unwrap().split(')').next().unwrap();
-    let order: Vec<&str> = list.split_whitespace().collect();
-    let published: BTreeMap<&str, &Value> = published().into_iter().map(|package| (name(package), package)).collect();
-    assert_eq!(order.iter().copied().collect::<BTreeSet<_>>(), published.keys().copied().collect());
-    let own: BTreeSet<&str> = packages().iter().filter(|p| p["source"].is_null()).map(name).collect();
-    for (at, package) in order.iter().enumerate() {
-        for dependency in dependencies(published[package]).filter(|dependency| own.contains(name(dependency))) {
-            let needed = name(dependency);
-            assert!(order[..at].contains(&needed), "{package} needs {needed}, which is packed later or not at all");
-            assert_ne!(dependency["req"], "*", "{package} needs {needed} without a version");
-        }
-    }
-}
-
-/// A crate needs at least the Rust version that its dependencies state. Clippy compares its code
-/// with the version (`incompatible_msrv`).
-#[test]
-fn rust_versions_are_those_of_the_dependencies_or_newer() {
-    // By name and version: the lock file has two versions of some packages.
-    let stated: BTreeMap<(&str, &str), &str> = packages()
-        .iter()
-        .filter_map(|p| Some(((name(p), p["version"].as_str()?), p["rust_version"].as_str()?)))
-        .collect();
-    for package in published() {
-        let (what, own) = (name(package), package["rust_version"].as_str().unwrap());
-        let words = ["tree", "--locked", "--prefix", "none", "--format", "{p}", "--package", what];
-        let words = words.into_iter().chain(["--edges", "normal,build", "--all-features"]);
-        let tree = String::from_utf8(cargo(words).stdout).unwrap();
-        let mut count = 0;
-        for line in tree.lines() {
-            let mut parts = line.split(' ');
-            let key = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default().trim_start_matches('v'));
-            if let Some(needed) = stated.get(&key) {
-                count += 1;
-                assert!(version(needed) <= version(own), "{what} states {own}, but {} {} needs {needed}", key.0, key.1);
-            }
-        }
-        assert!(count > 0, "{what}: {tree}");
-    }
+    let packed: BTreeSet<&str> = list.split_whitespace().collect();
+    assert_eq!(packed, published().into_iter().map(name).collect());
 }

@@ -4,9 +4,7 @@
 //! Numbers in comments are sections of the document. The reader panics on damaged files, which
 //! fails the test.
 
-use std::{collections::VecDeque, ops::Range};
-
-use hullmap::glam::DVec3;
+use std::ops::Range;
 
 /// Sections in the order of the root's entries (4): name, bytes per element, alignment.
 pub const SECTIONS: [(&str, usize, usize); 19] = [
@@ -167,10 +165,14 @@ pub struct Block {
     pub vertex: [u32; 8],
 }
 
-/// The blocks to which a direction leads, and the number of nodes on the way.
+/// The blocks to which a direction leads.
 pub struct Leaf {
     pub blocks: Range<usize>,
+    /// Number of nodes on the way.
     pub nodes: u32,
+    /// Kinds of slots on the way: bit 0 for halves, then branches, plain leaves, planes, bundles,
+    /// fans and lists.
+    pub kinds: u8,
 }
 
 fn array<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
@@ -454,7 +456,7 @@ impl Hull<'_> {
     /// 7.3: the leaf of a direction in range.
     pub fn leaf(&self, d: [f64; 3]) -> Leaf {
         if self.record.index_kind == 0 {
-            return Leaf { blocks: 0..self.blocks.len(), nodes: 0 };
+            return Leaf { blocks: 0..self.blocks.len(), nodes: 0, kinds: 0 };
         }
         let (face, [mut u, mut v]) = locate(d.map(|c| c as f32));
         let root = if self.record.index_kind == 1 {
@@ -464,16 +466,18 @@ impl Hull<'_> {
         } else {
             face as usize
         };
-        let (mut slot, mut nodes) = (self.slots[root], 0);
+        let (mut slot, mut nodes, mut kinds) = (self.slots[root], 0, 0);
         loop {
             let rest = slot & 0x3fff_ffff;
             match slot >> 30 {
                 0 if self.record.index_kind == 2 => {
+                    kinds |= 1;
                     let (half, left) = shift(u, 1);
                     (u, v) = (v, left);
                     slot = self.slots[(rest + half) as usize];
                 }
                 0 => {
+                    kinds |= 2;
                     let (at, bits) = (rest >> 4, rest & 15);
                     let (column, row);
                     (column, u) = shift(u, bits);
@@ -482,14 +486,16 @@ impl Hull<'_> {
                 }
                 1 => {
                     let first = rest as usize;
-                    return Leaf { blocks: first..first + self.record.leaf_blocks as usize, nodes };
+                    return Leaf { blocks: first..first + self.record.leaf_blocks as usize, nodes, kinds: kinds | 4 };
                 }
                 2 if rest & 3 == 2 => {
+                    kinds |= 32;
                     let at = (rest >> 2) as usize;
                     slot = self.slots[at + 17 + step(&self.slots, at, d)];
                 }
                 2 => {
                     let (at, planes) = ((rest >> 2) as usize, if rest & 3 == 0 { 1 } else { 7 });
+                    kinds |= if planes == 1 { 8 } else { 16 };
                     let normals = normals_at(&self.slots, at, planes);
                     let front = |plane: usize| usize::from(dot(normals[plane], d) > 0.0);
                     // Heap order: the children of plane k are planes 2k + 1 and 2k + 2.
@@ -502,7 +508,7 @@ impl Hull<'_> {
                 _ => {
                     let at = rest as usize;
                     let [first, count] = [self.slots[at] as usize, self.slots[at + 1] as usize];
-                    return Leaf { blocks: first..first + count, nodes };
+                    return Leaf { blocks: first..first + count, nodes, kinds: kinds | 64 };
                 }
             }
             nodes += 1;
@@ -551,195 +557,8 @@ impl Hull<'_> {
         edges.iter().map(|q| q.map(f32::from)).all(|q| q[0] * d[0] + q[1] * d[1] + q[2] * d[2] < least)
     }
 
-    /// 6.5: twice the vector area of a face.
-    fn double_area(&self, face: &[u32]) -> DVec3 {
-        let p = |i: usize| self.position(face[i]);
-        (1..face.len() - 1).map(|i| (p(i) - p(0)).cross(p(i + 1) - p(0))).sum()
-    }
-
-    /// 6.5: the fall of a face of a solid, by all edges that leave it, before it is rounded.
-    pub fn fall(&self, face: &[u32]) -> f64 {
-        let n = self.double_area(face).normalize();
-        let neighbours = self.neighbours();
-        let leaving = face.iter().flat_map(|v| neighbours[*v as usize].iter().map(move |w| (*v, *w)));
-        let leaving = leaving.filter(|(_, w)| !face.contains(w));
-        leaving.map(|(v, w)| (self.position(v) - self.position(w)).normalize().dot(n)).fold(1.0, f64::min)
-    }
-
-    /// 6.5: the share of a face's area that a quad has.
-    pub fn share(&self, face: &[u32], corners: [u32; 4]) -> f64 {
-        let area = self.double_area(face);
-        let [a, b, c, d] = corners.map(|at| self.position(face[at as usize]));
-        (c - a).cross(d - b).dot(area) / area.length_squared()
-    }
-
-    fn position(&self, vertex: u32) -> DVec3 {
-        DVec3::from_array(self.vertices[vertex as usize].map(f64::from))
-    }
-
     /// The faces to the left of each vertex's edges, in its neighbours' order.
     pub fn faces_beside(&self) -> Vec<&[u32]> {
         parts(&self.neighbour_starts, &self.neighbour_faces)
-    }
-}
-
-/// Counts of a walk over a hull's index: slots of each kind, except slots that share a node or list
-/// with an earlier slot.
-#[derive(Default)]
-pub struct Walk {
-    pub max_nodes: u32,
-    pub max_dots: u32,
-    pub halves: usize,
-    /// Branches of a tree, by number of bits.
-    pub branches: [usize; 13],
-    pub plain_leaves: usize,
-    pub planes: usize,
-    pub bundles: usize,
-    pub fans: usize,
-    /// Planes of bundles that separate nothing.
-    pub zero_planes: usize,
-    pub lists: usize,
-    /// Slots that refer to the same planes, fan or list as an earlier slot of their node.
-    pub shared: usize,
-}
-
-/// A node whose slots are to be visited.
-struct Node {
-    slots: Range<usize>,
-    /// Number of nodes above its slots, including itself.
-    nodes: u32,
-    /// Number of bits of u and v that the branches above its slots consumed.
-    bits: u32,
-    below_planes: bool,
-}
-
-impl Hull<'_> {
-    /// 7.2 and 8: visits every word of the index once, from front to back, and asserts the
-    /// document's guarantees.
-    pub fn walk_index(&self) -> Walk {
-        let mut walk = Walk::default();
-        let r = self.record.resolution as usize;
-        let roots = match self.record.index_kind {
-            0 => {
-                walk.max_dots = self.blocks.len() as u32 * 8;
-                self.check_leaf(0..self.blocks.len());
-                0
-            }
-            1 => 6 * r * r,
-            _ => 6,
-        };
-        let mut free = roots;
-        let mut queue = VecDeque::from([Node { slots: 0..roots, nodes: 0, bits: 0, below_planes: false }]);
-        while let Some(node) = queue.pop_front() {
-            let mut targets = Vec::new();
-            for word in node.slots.clone() {
-                let slot = self.slots[word];
-                if slot >> 31 == 1 && targets.contains(&slot) {
-                    walk.shared += 1;
-                    continue;
-                }
-                targets.push(slot);
-                self.visit(slot, &node, &mut free, &mut queue, &mut walk);
-            }
-        }
-        assert_eq!(free, self.slots.len(), "every word is used");
-        walk
-    }
-
-    /// Visits a slot of `node`, the first of the node with its target. `free` is the first word to
-    /// which no slot has referred yet.
-    fn visit(&self, slot: u32, node: &Node, free: &mut usize, queue: &mut VecDeque<Node>, walk: &mut Walk) {
-        let (kind, rest) = (self.record.index_kind, slot & 0x3fff_ffff);
-        let mut take = |at: u32, words: usize| {
-            assert_eq!(at as usize, *free, "targets are in the order of their slots");
-            *free += words;
-            assert!(*free <= self.slots.len());
-            at as usize
-        };
-        let mut below = |slots, bits, below_planes| {
-            queue.push_back(Node { slots, nodes: node.nodes + 1, bits: node.bits + bits, below_planes });
-            assert!(node.bits + bits <= 46 && node.nodes < 110);
-        };
-        let leaf = match slot >> 30 {
-            0 => {
-                assert!(kind >= 2 && !node.below_planes, "only trees have branches, above planes and fans");
-                if kind == 2 {
-                    let at = take(rest, 2);
-                    walk.halves += 1;
-                    below(at..at + 2, 1, false);
-                } else {
-                    let bits = rest & 15;
-                    assert!((1..=12).contains(&bits));
-                    let count = 1 << (2 * bits);
-                    let at = take(rest >> 4, count);
-                    walk.branches[bits as usize] += 1;
-                    below(at..at + count, 2 * bits, false);
-                }
-                return;
-            }
-            1 => {
-                walk.plain_leaves += 1;
-                rest as usize..(rest + self.record.leaf_blocks) as usize
-            }
-            2 if rest & 3 == 2 => {
-                assert!(kind >= 2, "only trees have fans");
-                let bits = self.slots[(rest >> 2) as usize + 16];
-                assert!((1..=20).contains(&bits));
-                let at = take(rest >> 2, 17 + (1 << bits));
-                let [x, y] = [at, at + 6].map(|at| normals_at(&self.slots, at, 1)[0]);
-                for (found, expected) in [(dot(x, x), 1.0), (dot(y, y), 1.0), (dot(x, y), 0.0)] {
-                    assert!((found - expected).abs() < 1e-15, "{x:?} {y:?}");
-                }
-                let [start, rate] = [12, 14].map(|i| number_at(&self.slots, at + i));
-                assert!(start > -1.0 - 1e-9 && start + f64::from(1 << bits) / rate < 7.0 + 1e-9 && rate > 0.0);
-                walk.fans += 1;
-                below(at + 17..at + 17 + (1 << bits), 0, true);
-                return;
-            }
-            2 => {
-                assert!(kind >= 2 && rest & 3 < 2, "only trees have planes");
-                let planes = if rest & 1 == 0 { 1 } else { 7 };
-                let (first, count) = (6 * planes, planes + 1);
-                let at = take(rest >> 2, first + count);
-                for normal in normals_at(&self.slots, at, planes) {
-                    if normal == [0.0; 3] && planes == 7 {
-                        walk.zero_planes += 1;
-                    } else {
-                        assert!((dot(normal, normal) - 1.0).abs() < 1e-15, "{normal:?}");
-                    }
-                }
-                *(if planes == 1 { &mut walk.planes } else { &mut walk.bundles }) += 1;
-                below(at + first..at + first + count, 0, true);
-                return;
-            }
-            _ => {
-                let at = take(rest, 2);
-                walk.lists += 1;
-                let [first, count] = [self.slots[at], self.slots[at + 1]];
-                assert!(count > self.record.leaf_blocks, "a list is longer than a plain leaf");
-                first as usize..(first + count) as usize
-            }
-        };
-        self.check_leaf(leaf.clone());
-        walk.max_nodes = walk.max_nodes.max(node.nodes);
-        walk.max_dots = walk.max_dots.max(leaf.len() as u32 * 8);
-    }
-
-    /// 6.3: the candidates are in ascending order. Copies of the last one fill the remaining lanes,
-    /// which are fewer than the lanes of a plain leaf or of a block.
-    fn check_leaf(&self, range: Range<usize>) {
-        assert!(!range.is_empty());
-        let blocks = &self.blocks[range];
-        let lanes: Vec<u32> = blocks.iter().flat_map(|block| block.vertex).collect();
-        let ascending = (1..lanes.len()).find(|lane| lanes[*lane] <= lanes[lane - 1]).unwrap_or(lanes.len());
-        assert!(lanes[ascending..].iter().all(|vertex| vertex == lanes.last().unwrap()), "{lanes:?}");
-        let plain = blocks.len() == self.record.leaf_blocks as usize;
-        assert!(plain || lanes.len() - ascending < 8, "{lanes:?}");
-        for block in blocks {
-            for lane in 0..8 {
-                let position = block.position.map(|p| p[lane].to_bits());
-                assert_eq!(position, self.vertices[block.vertex[lane] as usize].map(f32::to_bits));
-            }
-        }
     }
 }

@@ -6,12 +6,7 @@
 //!
 //! ```text
 //! cargo run --release -p hullmap-scenes --example pile
-//! cargo run --release -p hullmap-scenes --example pile -- --ways dispatcher --view frames
 //! ```
-//!
-//! `--view FOLDER` writes a sequence of PNG images for each way. Bodies that sleep turn grey.
-
-mod camera;
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -23,8 +18,6 @@ use hullmap_scenes::pit::Pit;
 use hullmap_scenes::stack::stand;
 use hullmap_scenes::way::Way;
 use shapes::families::Family;
-
-use camera::Camera;
 
 /// Half the width of the pit.
 const HALF_WIDTH: f32 = 6.0;
@@ -50,12 +43,6 @@ struct Arguments {
     /// Ways to compare
     #[arg(long, value_delimiter = ',', default_values_t = [Choice::Parry, Choice::Baked, Choice::Dispatcher])]
     ways: Vec<Choice>,
-    /// Folder for PNG images of the pile
-    #[arg(long, value_name = "FOLDER")]
-    view: Option<PathBuf>,
-    /// Images a second, at most 60
-    #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=60))]
-    frame_rate: u32,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -76,19 +63,11 @@ impl Choice {
             Self::Dispatcher => Way::Dispatcher,
         }
     }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Parry => "parry",
-            Self::Baked => "baked",
-            Self::Dispatcher => "dispatcher",
-        }
-    }
 }
 
 impl std::fmt::Display for Choice {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
+        f.pad(self.to_possible_value().expect("no choice is hidden").get_name())
     }
 }
 
@@ -102,7 +81,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{} bodies of up to {vertices} vertices, {} seconds", arguments.bodies, arguments.seconds);
     println!("{:12} {:>15} {:>15} {:>8} {:>6}", "", "falling ms/step", "settled ms/step", "asleep", "lost");
     for &choice in &arguments.ways {
-        let outcome = pile(&arguments, &models, choice)?;
+        let outcome = pile(&arguments, &models, choice.way());
         let [falling, settled] = [outcome.falling, outcome.settled].map(|time| time.as_secs_f64() * 1e3);
         println!("{choice:12} {falling:>15.2} {settled:>15.2} {:>8} {:>6}", outcome.asleep, outcome.lost);
     }
@@ -131,25 +110,18 @@ struct Outcome {
     lost: usize,
 }
 
-fn pile(arguments: &Arguments, models: &[Model], choice: Choice) -> Result<Outcome, Box<dyn std::error::Error>> {
-    let mut pit = Pit::new(models, arguments.bodies, HALF_WIDTH, 7, choice.way());
-    let camera = arguments.view.as_ref().map(|folder| Camera::new(folder.join(choice.name()), &pit)).transpose()?;
+fn pile(arguments: &Arguments, models: &[Model], way: Way) -> Outcome {
+    let mut pit = Pit::new(models, arguments.bodies, HALF_WIDTH, 7, way);
     let steps = arguments.seconds.max(1) * RATE;
-    let between = RATE / arguments.frame_rate as usize;
-    let mut times = Vec::with_capacity(steps);
-    for step in 0..steps {
-        if let Some(camera) = &camera
-            && step % between == 0
-        {
-            camera.shoot(&pit, step / between)?;
-        }
+    let step = |_| {
         let start = Instant::now();
         pit.world.step();
-        times.push(start.elapsed());
-    }
+        start.elapsed()
+    };
+    let mut times: Vec<Duration> = (0..steps).map(step).collect();
     let falling = median(&mut times[..steps / 4]);
     let settled = median(&mut times[steps - RATE..]);
-    Ok(Outcome { falling, settled, asleep: pit.asleep(), lost: pit.lost() })
+    Outcome { falling, settled, asleep: pit.asleep(), lost: pit.lost() }
 }
 
 fn median(times: &mut [Duration]) -> Duration {
