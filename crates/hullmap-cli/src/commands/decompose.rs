@@ -11,17 +11,18 @@ use hullmap_import::{self as import, Imported, ReadError, UpAxis};
 use serde::Serialize;
 
 use crate::args::DecomposeArgs;
-use crate::baker::{BakedPack, bake_pack};
 use crate::interrupt;
-use crate::mesh_file::body::Body;
-use crate::mesh_file::{glb, obj, place};
-use crate::outcome::{Exit, Failure, end};
-use crate::pack_file::{folder_of, make_folder};
-use crate::runner::progress::Progress;
-use crate::runner::rows::Status;
-use crate::runner::schedule;
+use crate::progress::Progress;
 use crate::terminal::{self, Output};
 use hullmap_bake::number::grouped;
+use hullmap_pipeline::baker::{BakedPack, bake_pack};
+use hullmap_pipeline::mesh_file::body::Body;
+use hullmap_pipeline::mesh_file::{glb, obj, place};
+use hullmap_pipeline::outcome::{Exit, Failure, end};
+use hullmap_pipeline::pack_file::{folder_of, make_folder};
+use hullmap_pipeline::runner::Observer;
+use hullmap_pipeline::runner::rows::Status;
+use hullmap_pipeline::runner::schedule;
 use hullmap_verify::estimates::DecomposedObject;
 use hullmap_verify::part::diagonal;
 
@@ -133,13 +134,12 @@ fn with_progress<T: Send>(
     let pool = pool.map_err(|error| Failure::usage(format!("cannot start threads: {error}")))?;
     let progress = Progress::new(args.quiet, 1, COST);
     let work = |index: usize| {
-        let done = progress.begin(index, args.input.display(), COST);
+        let done = progress.begin(index, &args.input, COST);
         let result = work(done.whole());
         progress.end(index, if result.is_ok() { Status::Baked } else { Status::Failed });
         result
     };
     let mut results = schedule::run_bounded(&pool, &[COST], COST, work, || progress.tick());
-    progress.finish();
     results.pop().unwrap_or_else(|| Err(Failure::usage("no thread did the work".to_owned())))
 }
 

@@ -91,12 +91,15 @@ fn the_runtime_has_few_dependencies() {
 
 #[test]
 fn the_format_depends_neither_on_reader_nor_on_writer() {
-    assert_unseen("hullmap-format", &["hullmap", "hullmap-bake", "hullmap-cli", "parry3d", "rayon", "memmap2"]);
+    assert_unseen("hullmap-format", &["hullmap", "hullmap-bake", "hullmap-pipeline", "parry3d", "rayon", "memmap2"]);
 }
 
 #[test]
 fn the_baker_depends_neither_on_the_runtime_nor_on_the_command_line() {
-    assert_unseen("hullmap-bake", &["hullmap", "hullmap-cli", "tobj", "clap", "indicatif", "memmap2", "serde_json"]);
+    assert_unseen(
+        "hullmap-bake",
+        &["hullmap", "hullmap-pipeline", "tobj", "clap", "indicatif", "memmap2", "serde_json"],
+    );
     assert!(tree("hullmap-bake", "normal", &[]).contains("hullmap-format"));
 }
 
@@ -177,11 +180,10 @@ fn robots_for_planning_depend_on_the_runtime_and_not_on_the_command() {
     assert_unseen("hullmap", &["hullmap-planning", "hullmap-robot"]);
 }
 
-/// Without the feature `command`, the package bakes in memory, also in WebAssembly.
+/// Bindings bake by the pipeline, also in WebAssembly.
 #[test]
-fn bakes_in_memory_do_not_depend_on_the_command() {
-    let command = ["clap", "ctrlc", "hullmap-report", "indicatif", "notify", "tempfile", "toml"];
-    assert_unseen_with("hullmap-cli", &command, &[&["--no-default-features"]]);
+fn the_pipeline_does_not_depend_on_the_command() {
+    assert_unseen("hullmap-pipeline", &["hullmap-cli", "clap", "ctrlc", "hullmap-report", "indicatif", "notify"]);
 }
 
 /// Code that two commands share lies outside `commands/`.

@@ -26,15 +26,14 @@ use hullmap_format::header::FileKind;
 use hullmap_import::height_field::is_grid;
 use hullmap_import::{NAMES, is_source};
 
-use crate::args::MeshArgs;
 use crate::config::{Chosen, Configs};
-use crate::options::{BuildOptions, flag};
-use crate::outcome::{Exit, Failure};
-use crate::terminal;
+use crate::glob::Glob;
+use crate::options::{BuildOptions, OptionLayer, flag};
+use crate::outcome::Failure;
 use filter::Filter;
 pub use job::Job;
 use pack_names::{PackName, Unnamed};
-use search::{Found, Mesh, in_words, without_meshes};
+use search::{Found, Mesh, in_words};
 
 #[derive(Debug)]
 pub struct Jobs {
@@ -53,56 +52,73 @@ pub struct Unread {
     pub place: String,
 }
 
-impl Jobs {
-    pub fn report_empty(self) -> (Vec<Job>, Exit) {
-        self.empty.iter().for_each(|folder| terminal::error(without_meshes(folder)));
-        (self.jobs, if self.empty.is_empty() { Exit::Done } else { Exit::Usage })
-    }
+/// The meshes to bake: the inputs, and what leaves some of them out.
+#[derive(Clone, Debug, Default)]
+pub struct Selection {
+    /// Meshes, and folders to search for them.
+    pub inputs: Vec<PathBuf>,
+    /// Options that override those of `hullmap.toml`.
+    pub options: OptionLayer,
+    /// The `hullmap.toml` of all meshes; otherwise the nearest one above each.
+    pub config: Option<PathBuf>,
+    /// Reads no `hullmap.toml`.
+    pub no_config: bool,
+    /// Leaves out the meshes that match.
+    pub exclude: Vec<Glob>,
+    /// Also takes hidden meshes in folders, and those that a `.gitignore` names.
+    pub no_ignore: bool,
+    /// Extensions of meshes in folders; empty for all.
+    pub extensions: Vec<String>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Messages {
-    Silent,
-    Warnings,
-    All,
+/// A message about a selection.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Message {
+    /// Needs action.
+    Warning(String),
+    /// Of interest.
+    Note(String),
+    /// Of interest to a user who wants to know about every mesh.
+    Detail(String),
 }
 
-/// Writes no file. Fails if an input or `hullmap.toml` cannot be read, no mesh is left, or an
+/// The jobs of a build. Writes no file. `say` receives messages, also before an error. Fails if an input or `hullmap.toml` cannot be read, no mesh is left, or an
 /// option on the command line affects no mesh.
-pub fn jobs(args: &MeshArgs, out: &Path, printed: Messages) -> Result<Jobs, Failure> {
-    let warns = printed != Messages::Silent;
+pub fn jobs(selection: &Selection, out: &Path, say: &mut dyn FnMut(Message)) -> Result<Jobs, Failure> {
     if out.is_file() {
         return Err(Failure::usage(format!(
             "{}: is a file, but --out requires a folder; name a folder for the packs",
             out.display()
         )));
     }
-    let mut filter = Filter::new(args);
-    let mut configs = Configs::new(args.config.as_deref(), args.no_config)?;
-    let is_terrain = args.options.kind() == FileKind::HeightField;
+    let mut filter = Filter::new(selection);
+    let mut configs = Configs::new(selection.config.as_deref(), selection.no_config)?;
+    let is_terrain = selection.options.kind() == FileKind::HeightField;
     let mut is_meant = |path: &Path| match is_source(path) {
         false if is_grid(path) => {
-            Ok(args.options.laid_over(&configs.layer(path)?.layer).kind() == FileKind::HeightField)
+            Ok(selection.options.laid_over(&configs.layer(path)?.layer).kind() == FileKind::HeightField)
         }
         is_mesh => Ok(is_mesh && !is_terrain),
     };
-    let found = search::search(&args.inputs, out, &mut filter, args.no_ignore, &mut is_meant)?;
-    if let Some(passed_over) = found.passed_over().filter(|_| warns) {
-        terminal::note(passed_over);
+    let found = search::search(&selection.inputs, out, &mut filter, selection.no_ignore, &mut is_meant)?;
+    if let Some(passed_over) = found.passed_over() {
+        say(Message::Note(passed_over));
     }
     let Found { meshes, unread: unsupported, empty, folders, .. } = found;
-    for glob in filter.unused().filter(|_| warns) {
-        terminal::warning(format_args!("--exclude: no mesh matches `{glob}`"));
+    for glob in filter.unused() {
+        say(Message::Warning(format!("--exclude: no mesh matches `{glob}`")));
     }
     let mut chosen = Vec::with_capacity(meshes.len());
     for mesh in meshes {
         let Chosen { layer, skips, config } = configs.layer(&mesh.source)?;
         let config = config.map(|config| config.path.clone());
         if !skips {
-            chosen.push((mesh, args.options.laid_over(&layer).resolve(), config));
-        } else if printed == Messages::All || warns && args.inputs.contains(&mesh.source) {
+            chosen.push((mesh, selection.options.laid_over(&layer).resolve(), config));
+        } else {
             let (source, config) = (mesh.source.display(), config.unwrap_or_default());
-            terminal::note(format_args!("{source}: left out, because {} sets skip = true", config.display()));
+            let text = format!("{source}: left out, because {} sets skip = true", config.display());
+            let is_named = selection.inputs.contains(&mesh.source);
+            say(if is_named { Message::Note(text) } else { Message::Detail(text) });
         }
     }
     let mut unread = Vec::with_capacity(unsupported.len());
@@ -132,20 +148,16 @@ pub fn jobs(args: &MeshArgs, out: &Path, printed: Messages) -> Result<Jobs, Fail
         key: String::new(),
     };
     let jobs: Vec<Job> = chosen.into_iter().zip(names).map(job).collect();
-    let unused = args.options.without_effect(jobs.iter().map(|job| &job.options));
+    let unused = selection.options.without_effect(jobs.iter().map(|job| &job.options));
     if let Some(unused) = unused.filter(|_| !jobs.is_empty()) {
         return Err(Failure::usage(unused.message(|key| format!("--{}", flag(key)))));
     }
-    if warns {
-        let is_cut_by = |config: &Path| {
-            jobs.iter().any(|job| job.config.as_deref() == Some(config) && job.options.decompose().is_some())
-        };
-        configs.warnings(&args.inputs, is_cut_by).iter().for_each(terminal::warning);
-        if let Some(unread) = in_words(unread.iter().map(|unread| unread.source.as_path())) {
-            terminal::note(format_args!(
-                "not read: {unread}; export them as {NAMES}, or leave them out with --exclude"
-            ));
-        }
+    let is_cut_by = |config: &Path| {
+        jobs.iter().any(|job| job.config.as_deref() == Some(config) && job.options.decompose().is_some())
+    };
+    configs.warnings(&selection.inputs, is_cut_by).into_iter().map(Message::Warning).for_each(&mut *say);
+    if let Some(unread) = in_words(unread.iter().map(|unread| unread.source.as_path())) {
+        say(Message::Note(format!("not read: {unread}; export them as {NAMES}, or leave them out with --exclude")));
     }
     Ok(Jobs { jobs, unread, empty, folders })
 }

@@ -5,13 +5,9 @@ use std::sync::LazyLock;
 use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::{Arg, ArgMatches, Command};
 
-use super::OptionLayer;
-use super::table::{BuildOption, OPTIONS, Scope, Section, position};
-use super::value::{Syntax, Value};
-
-pub fn flag(key: &str) -> String {
-    key.replace('_', "-")
-}
+use hullmap_pipeline::options::table::{BuildOption, OPTIONS, Scope, Section, position};
+use hullmap_pipeline::options::value::{Syntax, Value};
+use hullmap_pipeline::options::{OptionLayer, flag};
 
 /// The flags, in the order of the help. clap takes names that live as long as the program.
 static FLAGS: LazyLock<Vec<(&'static BuildOption, &'static str)>> = LazyLock::new(|| {
@@ -22,7 +18,11 @@ static FLAGS: LazyLock<Vec<(&'static BuildOption, &'static str)>> = LazyLock::ne
 /// terrains by the rules of `hullmap.toml`.
 pub const TERRAIN: &str = "terrain";
 
-impl clap::Args for OptionLayer {
+/// The options of a subcommand as flags.
+#[derive(Clone, Debug)]
+pub struct OptionFlags(pub OptionLayer);
+
+impl clap::Args for OptionFlags {
     fn augment_args(command: Command) -> Command {
         let is_terrain = command.get_name() == TERRAIN;
         let is_taken = |option: &BuildOption| match option.scope {
@@ -108,9 +108,9 @@ impl clap::FromArgMatches for PartsLayer {
     }
 }
 
-impl clap::FromArgMatches for OptionLayer {
+impl clap::FromArgMatches for OptionFlags {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let mut layer = Self::default();
+        let mut layer = Self(OptionLayer::default());
         layer.update_from_arg_matches(matches)?;
         Ok(layer)
     }
@@ -118,10 +118,10 @@ impl clap::FromArgMatches for OptionLayer {
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
         for (index, option) in OPTIONS.iter().enumerate() {
             // A subcommand takes some of them.
-            self.set_at(index, matches.try_get_one::<Value>(option.key).ok().flatten().cloned());
+            self.0.set_at(index, matches.try_get_one::<Value>(option.key).ok().flatten().cloned());
         }
         if matches.try_contains_id("spacing").is_ok() {
-            self.set_at(position("terrain").unwrap_or_default(), Some(Value::Switch(true)));
+            self.0.set_at(position("terrain").unwrap_or_default(), Some(Value::Switch(true)));
         }
         Ok(())
     }

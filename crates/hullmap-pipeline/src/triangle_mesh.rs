@@ -7,8 +7,7 @@ use hullmap_import::{Imported, Materials};
 const MAX_MATERIALS: usize = 1000;
 
 /// The contents of a triangle mesh. Field names are the JSON's.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "command", derive(serde::Serialize))]
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct MeshSummary {
     /// Number of triangles.
     pub triangles: usize,
@@ -30,8 +29,7 @@ pub struct MeshSummary {
 }
 
 /// Number of edges of triangles with each class. An edge that two triangles share counts for both.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "command", derive(serde::Serialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct EdgeCounts {
     /// No other triangle has the edge.
     pub border: usize,
@@ -107,7 +105,6 @@ impl MeshSummary {
 }
 
 /// T-junctions of a mesh, in O(n log n) for n triangles.
-#[cfg(feature = "command")]
 pub fn t_junctions_of(mesh: &TriangleMesh) -> TJunctions {
     let vertices: Vec<[f32; 3]> =
         (0..mesh.vertex_count()).filter_map(|vertex| mesh.vertex(vertex)).map(|vertex| vertex.to_array()).collect();

@@ -3,8 +3,6 @@
 
 use std::fmt::Write as _;
 
-use hullmap_robot::InlineMesh;
-
 use super::body::Body;
 use super::names::line;
 
@@ -58,15 +56,16 @@ pub fn write_triangles(body: &Body, materials: &[u16]) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// The file of a mesh that a description contains: its triangles, or its vertices if it has none.
-pub fn write_inline(mesh: &InlineMesh) -> Vec<u8> {
-    let mut text = format!("# Mesh of a robot, written by bake robot\no {}\n", line(&mesh.name));
-    push_vertices(&mut text, &mesh.vertices);
-    for corners in &mesh.triangles {
+/// The file of a mesh that a robot's description contains: its triangles, or its vertices if it has
+/// none.
+pub fn write_inline(name: &str, vertices: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<u8> {
+    let mut text = format!("# Mesh of a robot, written by bake robot\no {}\n", line(name));
+    push_vertices(&mut text, vertices);
+    for corners in triangles {
         push_element(&mut text, "f", corners.iter().map(|corner| 1 + u64::from(*corner)));
     }
-    if mesh.triangles.is_empty() {
-        push_element(&mut text, "p", 1..=mesh.vertices.len() as u64);
+    if triangles.is_empty() {
+        push_element(&mut text, "p", 1..=vertices.len() as u64);
     }
     text.into_bytes()
 }

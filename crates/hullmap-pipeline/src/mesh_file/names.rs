@@ -14,8 +14,6 @@
 
 use std::collections::HashMap;
 
-use crate::terminal::is_escaped;
-
 /// Maximum length of a token in bytes. With a number, an extension and the affixes of a temporary
 /// file it stays below the 255 bytes of common file systems.
 const MAX_TOKEN: usize = 180;
@@ -26,6 +24,19 @@ const NAMELESS: &str = "hull";
 
 /// Names that Windows reserves for devices, with any extension.
 const DEVICES: [&str; 6] = ["con", "prn", "aux", "nul", "com", "lpt"];
+
+/// Whether a character moves the cursor, ends a line, or changes the direction of writing.
+pub fn is_escaped(letter: char) -> bool {
+    // C0, DEL and C1.
+    letter.is_control()
+        || matches!(
+            letter,
+            // Marks, embeddings, overrides and isolates of the bidirectional algorithm.
+            '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}'
+            // Separators of lines and paragraphs.
+            | '\u{2028}' | '\u{2029}'
+        )
+}
 
 /// A name that fits in one line of an OBJ file: no line breaks, no `\`, which continues a line, and
 /// no `#`, which starts a comment for some readers.

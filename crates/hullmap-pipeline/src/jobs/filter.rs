@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::args::MeshArgs;
+use super::Selection;
 use crate::glob::Glob;
 
 #[derive(Debug, Default)]
@@ -14,10 +14,10 @@ pub struct Filter {
 }
 
 impl Filter {
-    pub fn new(args: &MeshArgs) -> Self {
+    pub fn new(selection: &Selection) -> Self {
         Self {
-            excluded: args.exclude.iter().map(|glob| (glob.clone(), false)).collect(),
-            extensions: args.ext.iter().map(|extension| extension.to_lowercase()).collect(),
+            excluded: selection.exclude.iter().map(|glob| (glob.clone(), false)).collect(),
+            extensions: selection.extensions.iter().map(|extension| extension.to_lowercase()).collect(),
         }
     }
 

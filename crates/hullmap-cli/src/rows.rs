@@ -1,140 +1,87 @@
-use serde::Serialize;
+//! Runs the jobs of a build with progress, and prints its messages and rows.
 
-use crate::outcome::Failure;
-use crate::table::{Align, Table, or_dash};
-use crate::terminal::Output;
-use crate::triangle_mesh::MeshSummary;
+use std::path::Path;
+
 use hullmap_bake::number::grouped;
-use hullmap_verify::estimates::DecomposedObject;
+use hullmap_pipeline::jobs::search::without_meshes;
+use hullmap_pipeline::jobs::{self, Job, Jobs, Message};
+use hullmap_pipeline::outcome::{Exit, Failure};
+use hullmap_pipeline::runner::one::Build;
+use hullmap_pipeline::runner::rows::{Origin, Row, Status};
+use hullmap_pipeline::runner::{self, Resources};
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Status {
-    Baked,
-    /// The existing pack is what a bake would write.
-    Fresh,
-    Failed,
-    /// `--check`: the existing pack is not what a bake would write.
-    Stale,
-    /// `--check`: there is no pack.
-    Missing,
-    /// A pack whose source is gone.
-    Orphaned,
-    /// A pack whose source is gone, and that was removed.
-    Pruned,
-    /// A mesh whose format is not supported.
-    Unread,
+use crate::args::{DEFAULT_MEMORY, MeshArgs, RunArgs};
+use crate::progress::Progress;
+use crate::table::{Align, Table, or_dash};
+use crate::terminal::{self, Output};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Messages {
+    Silent,
+    Warnings,
+    All,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Origin {
-    Local,
-    /// Earlier: `--cache` had it.
-    Cache,
+/// The jobs of the meshes that arguments name.
+pub fn find_jobs(args: &MeshArgs, out: &Path, printed: Messages) -> Result<Jobs, Failure> {
+    jobs::jobs(&args.selection(), out, &mut |message| match message {
+        _ if printed == Messages::Silent => {}
+        Message::Warning(text) => terminal::warning(text),
+        Message::Detail(_) if printed != Messages::All => {}
+        Message::Note(text) | Message::Detail(text) => terminal::note(text),
+    })
 }
 
-impl Status {
-    /// Name in the table. Failures are in capitals.
-    fn word(self) -> &'static str {
-        match self {
-            Self::Baked => "baked",
-            Self::Fresh => "fresh",
-            Self::Failed => "FAILED",
-            Self::Stale => "stale",
-            Self::Missing => "missing",
-            Self::Orphaned => "orphaned",
-            Self::Pruned => "pruned",
-            Self::Unread => "not read",
+/// As [`find_jobs`]; reports folders without meshes at once.
+pub fn jobs_of_folders(args: &MeshArgs, out: &Path) -> Result<(Vec<Job>, Exit), Failure> {
+    let Jobs { jobs, empty, .. } = find_jobs(args, out, Messages::Warnings)?;
+    empty.iter().for_each(|folder| terminal::error(without_meshes(folder)));
+    Ok((jobs, if empty.is_empty() { Exit::Done } else { Exit::Usage }))
+}
+
+pub fn run_jobs(jobs: &[&Job], build: &Build, args: &RunArgs) -> Result<Vec<(Row, Exit)>, Failure> {
+    let resources = Resources { threads: args.jobs, memory: args.memory.unwrap_or(DEFAULT_MEMORY) };
+    let results = runner::run(jobs, build, resources, |files, cost| Progress::new(args.quiet, files, cost))?;
+    if let Some(cache) = build.cache
+        && let Some(trouble) = cache.take_trouble()
+        && !args.quiet
+    {
+        terminal::warning(trouble);
+    }
+    Ok(results)
+}
+
+/// Prints messages in the order of the rows. `prunes`: orphans were to be removed.
+pub fn print_messages(rows: &[Row], is_quiet: bool, prunes: bool) {
+    for row in rows {
+        if !is_quiet {
+            if row.status == Status::Orphaned {
+                let remedy = match row.notes.first() {
+                    Some(kept) => format!(", but {kept}"),
+                    None if prunes => String::new(),
+                    None => " (--prune removes it)".to_owned(),
+                };
+                let reason = row.reason.as_deref().unwrap_or_default();
+                terminal::note(format_args!("{}: {reason}{remedy}", row.output));
+            }
+            for note in row.notes.iter().filter(|_| row.status != Status::Orphaned) {
+                terminal::note(format_args!("{}: {note}", row.source));
+            }
+            for warning in &row.warnings {
+                terminal::warning(format_args!("{}: {warning}", row.source));
+            }
+        }
+        if let Some(error) = &row.error {
+            terminal::error(error);
         }
     }
 }
 
-pub const MAX_OBJECTS: usize = 1000;
-
-/// Result of one file. Field names are the JSON's; `None` if the file did not reach that step.
-#[derive(Clone, Debug, Serialize)]
-pub struct Row {
-    pub source: String,
-    pub output: String,
-    pub status: Status,
-    pub reason: Option<String>,
-    pub options: Option<String>,
-    pub hulls: Option<usize>,
-    /// Number of source points, over all hulls.
-    pub vertices_in: Option<usize>,
-    pub vertices_source: Option<usize>,
-    /// Number of vertices that no element references.
-    pub vertices_unreferenced: Option<usize>,
-    /// Number of points that equal an earlier point.
-    pub vertices_duplicate: Option<usize>,
-    /// Hull vertices over all hulls.
-    pub vertices_hull: Option<usize>,
-    /// Rank of each hull: 3 solid, 2 polygon, 1 segment, 0 point.
-    pub ranks: Option<Vec<u32>>,
-    /// The first [`MAX_OBJECTS`] objects whose meshes were decomposed, or whose parts came with
-    /// them; `None` for a pack that was not baked now.
-    pub objects: Option<Vec<DecomposedObject>>,
-    pub triangle_mesh: Option<MeshSummary>,
-    pub height_field: Option<FieldSummary>,
-    pub bytes: Option<u64>,
-    pub origin: Option<Origin>,
-    /// Time from start to end in milliseconds. A thread that waits for others works on another file
-    /// meanwhile, so the times of many files add up to more than the whole took.
-    pub millis: f64,
-    pub notes: Vec<String>,
-    /// Findings to act on, each with its remedy.
-    pub warnings: Vec<String>,
-    pub error: Option<String>,
-    /// Whether the baker is at fault, and not the mesh. Such a failure is not shared.
-    #[serde(skip)]
-    pub is_internal: bool,
-}
-
-/// The contents of a height field. Field names are the JSON's.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct FieldSummary {
-    pub columns: usize,
-    pub rows: usize,
-    pub holes: usize,
-}
-
-impl Row {
-    /// Number of triangles and vertices of a triangle mesh or height field.
-    fn surface(&self) -> Option<[usize; 2]> {
-        let of_field = |field: &FieldSummary| {
-            let cells = field.columns.saturating_sub(1) * field.rows.saturating_sub(1);
-            [2 * cells.saturating_sub(field.holes), field.columns * field.rows]
-        };
-        let of_mesh = self.triangle_mesh.as_ref().map(|mesh| [mesh.triangles, mesh.vertices]);
-        of_mesh.or(self.height_field.as_ref().map(of_field))
-    }
-
-    pub fn new(source: String, output: String, status: Status) -> Self {
-        Self {
-            source,
-            output,
-            status,
-            reason: None,
-            options: None,
-            hulls: None,
-            vertices_in: None,
-            vertices_source: None,
-            vertices_unreferenced: None,
-            vertices_duplicate: None,
-            vertices_hull: None,
-            ranks: None,
-            objects: None,
-            triangle_mesh: None,
-            height_field: None,
-            bytes: None,
-            origin: None,
-            millis: 0.0,
-            notes: Vec::new(),
-            warnings: Vec::new(),
-            error: None,
-            is_internal: false,
-        }
+pub fn write_rows(rows: &[Row], args: &RunArgs, is_check: bool, out: &mut Output) -> Result<(), Failure> {
+    match (args.json, args.quiet) {
+        (true, _) => write_json(rows, out),
+        (false, true) => Ok(()),
+        (false, false) => write_table(rows, args.verbose, is_check, out),
     }
 }
 
@@ -245,6 +192,7 @@ fn ranks(ranks: &[u32]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use hullmap_pipeline::triangle_mesh::MeshSummary;
 
     fn rows() -> Vec<Row> {
         let row = |status| Row::new("a.obj".to_owned(), "a.hullmap".to_owned(), status);

@@ -2,16 +2,18 @@
 //! `--quiet`.
 
 use std::collections::{BTreeMap, VecDeque};
+use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use hullmap_bake::progress::Progress as Done;
 use indicatif::{HumanDuration, MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::rows::Status;
 use crate::interrupt;
 use crate::terminal::{self, Escaped};
 use hullmap_bake::number::grouped;
+use hullmap_pipeline::runner::Observer;
+use hullmap_pipeline::runner::rows::Status;
 
 /// Shorter builds show no bars, which would only flicker.
 const BARS_AFTER: Duration = Duration::from_millis(300);
@@ -77,15 +79,21 @@ impl Progress {
         Self { start: Instant::now(), display, state: Mutex::new(state) }
     }
 
-    /// Marks a file as in progress, and returns how much of it is done, for its thread to count.
-    pub fn begin(&self, index: usize, name: impl std::fmt::Display, cost: u64) -> Arc<Done> {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Observer for Progress {
+    fn begin(&self, index: usize, name: &Path, cost: u64) -> Arc<Done> {
         let done = Arc::new(Done::default());
-        let file = InWork { name: Escaped(name).to_string(), start: Instant::now(), cost, done: Arc::clone(&done) };
+        let file =
+            InWork { name: Escaped(name.display()).to_string(), start: Instant::now(), cost, done: Arc::clone(&done) };
         self.state().in_work.insert(index, file);
         done
     }
 
-    pub fn end(&self, index: usize, status: Status) {
+    fn end(&self, index: usize, status: Status) {
         let mut state = self.state();
         state.done_cost += state.in_work.remove(&index).map_or(0, |file| file.cost);
         state.done += 1;
@@ -96,7 +104,7 @@ impl Progress {
         }
     }
 
-    pub fn tick(&self) {
+    fn tick(&self) {
         let now = Instant::now();
         match &self.display {
             Display::None => {}
@@ -122,16 +130,14 @@ impl Progress {
             Display::Bars { .. } => {}
         }
     }
+}
 
-    pub fn finish(&self) {
+impl Drop for Progress {
+    fn drop(&mut self) {
         if let Display::Bars { screen, .. } = &self.display {
             let _ = screen.clear();
             interrupt::show(None);
         }
-    }
-
-    fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

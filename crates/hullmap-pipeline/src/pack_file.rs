@@ -12,7 +12,7 @@ use std::path::{Component, Path, PathBuf};
 use ignore::WalkBuilder;
 use tempfile::{Builder, NamedTempFile};
 
-use crate::interrupt;
+use crate::unfinished;
 
 /// Attempts to create a temporary file, as a sweep may remove it before it is locked.
 const MAX_ATTEMPTS: usize = 100;
@@ -43,7 +43,7 @@ impl Unplaced {
 impl Drop for Unplaced {
     fn drop(&mut self) {
         if let Some(file) = self.file.take() {
-            interrupt::settle(&self.path, || drop(file));
+            unfinished::settle(&self.path, || drop(file));
         }
     }
 }
@@ -72,7 +72,7 @@ fn make_locked(target: &Path) -> io::Result<Unplaced> {
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
     for _ in 0..MAX_ATTEMPTS {
-        let file = interrupt::make(|| builder.tempfile_in(folder_of(target)), NamedTempFile::path)?;
+        let file = unfinished::make(|| builder.tempfile_in(folder_of(target)), NamedTempFile::path)?;
         let unplaced = Unplaced { path: file.path().to_owned(), file: Some(file) };
         // On a file system without locks, a sweep cannot lock the file either, and leaves it alone.
         let is_locked = unplaced.file.as_ref().is_some_and(|file| lock(file.as_file()).is_ok());
@@ -96,7 +96,7 @@ fn lock(file: &File) -> io::Result<()> {
 /// be synced, `target` is the new file, as the error states.
 pub fn put_in_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()> {
     if let Some(file) = unplaced.file.take() {
-        interrupt::settle(&unplaced.path, || file.persist(target).map(drop)).map_err(|error| error.error)?;
+        unfinished::settle(&unplaced.path, || file.persist(target).map(drop)).map_err(|error| error.error)?;
     }
     sync_in_place(target)
 }
@@ -104,7 +104,7 @@ pub fn put_in_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()> {
 /// Like [`put_in_place`], but never replaces a file.
 pub fn put_in_free_place(mut unplaced: Unplaced, target: &Path) -> io::Result<()> {
     if let Some(file) = unplaced.file.take() {
-        interrupt::settle(&unplaced.path, || file.persist_noclobber(target).map(drop)).map_err(|error| error.error)?;
+        unfinished::settle(&unplaced.path, || file.persist_noclobber(target).map(drop)).map_err(|error| error.error)?;
     }
     sync_in_place(target)
 }

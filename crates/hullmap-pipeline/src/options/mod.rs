@@ -3,22 +3,19 @@
 //!
 //! Layers are laid over each other, then [`OptionLayer::resolve`] fills in the defaults.
 
-#[cfg(feature = "command")]
-mod flags;
 pub mod layer;
 mod record;
 pub mod removed;
 pub mod resolved;
 pub mod table;
-#[cfg(feature = "command")]
 mod template;
 pub mod value;
 
-#[cfg(feature = "command")]
-pub use flags::{PartsLayer, TERRAIN, flag};
 pub use layer::OptionLayer;
-pub use resolved::BuildOptions;
-#[cfg(feature = "command")]
-pub use resolved::RecordSource;
-#[cfg(feature = "command")]
+pub use resolved::{BuildOptions, RecordSource};
 pub use template::template;
+
+/// The flag of an option, without dashes in front.
+pub fn flag(key: &str) -> String {
+    key.replace('_', "-")
+}

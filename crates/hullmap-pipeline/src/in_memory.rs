@@ -44,13 +44,13 @@ pub enum InMemoryError {
 ///
 /// # Examples
 /// ```
-/// use hullmap_cli::Progress;
+/// use hullmap_pipeline::Progress;
 /// use hullmap_import::MeshArrays;
 ///
 /// let corner = |i: usize| [0, 1, 2].map(|axis| f64::from((i >> axis & 1) as u8));
 /// let cube = MeshArrays { positions: (0..8).map(corner).collect(), ..MeshArrays::default() };
 /// let progress = Progress::default();
-/// let (baked, _) = hullmap_cli::bake_arrays("cube", vec![cube], &[("index", "compact")], progress.whole())?;
+/// let (baked, _) = hullmap_pipeline::bake_arrays("cube", vec![cube], &[("index", "compact")], progress.whole())?;
 /// assert_eq!(progress.share(), 1.0);
 /// let pack = hullmap::Pack::from_bytes(&baked.bytes)?;
 /// assert_eq!(pack.hull(0)?.vertex_count(), 8);
@@ -110,7 +110,7 @@ pub fn bake_source(
 /// ```
 /// let square = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n".to_vec();
 /// let source = hullmap_import::SourceFile::alone(square);
-/// let baked = hullmap_cli::bake_level("square.obj".as_ref(), &source, &[])?;
+/// let baked = hullmap_pipeline::bake_level("square.obj".as_ref(), &source, &[])?;
 /// assert_eq!(hullmap::TriangleMesh::from_bytes(&baked.bytes)?.triangle_count(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -151,7 +151,7 @@ const ADVICE_ON_LIMITS: [&str; 3] =
 /// ```
 /// let text = "split it, or raise --max-objects; use --split none, or run `bake build --prune`";
 /// let expected = "split it; use split none, or run `bake build --prune`";
-/// assert_eq!(hullmap_cli::without_flags(text, str::to_owned), expected);
+/// assert_eq!(hullmap_pipeline::without_flags(text, str::to_owned), expected);
 /// ```
 pub fn without_flags(message: &str, name: impl Fn(&str) -> String) -> String {
     let message = ADVICE_ON_LIMITS.iter().fold(message.to_owned(), |text, advice| text.replace(advice, ""));

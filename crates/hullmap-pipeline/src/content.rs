@@ -17,6 +17,9 @@ use crate::options::BuildOptions;
 use crate::outcome::Failure;
 use crate::triangle_mesh::adapted;
 
+/// Directions tested on each hull by default.
+pub const DEFAULT_DIRECTIONS: usize = 10_000;
+
 #[derive(Debug)]
 pub enum Content {
     Mesh(Box<Imported>),
