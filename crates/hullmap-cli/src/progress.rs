@@ -11,7 +11,7 @@ use indicatif::{HumanDuration, MultiProgress, ProgressBar, ProgressDrawTarget, P
 
 use crate::interrupt;
 use crate::terminal::{self, Escaped};
-use hullmap_bake::number::grouped;
+use hullmap_geometry::number::grouped;
 use hullmap_pipeline::runner::Observer;
 use hullmap_pipeline::runner::rows::Status;
 

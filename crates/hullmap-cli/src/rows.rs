@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use hullmap_bake::number::grouped;
+use hullmap_geometry::number::grouped;
 use hullmap_pipeline::jobs::search::without_meshes;
 use hullmap_pipeline::jobs::{self, Job, Jobs, Message};
 use hullmap_pipeline::outcome::{Exit, Failure};

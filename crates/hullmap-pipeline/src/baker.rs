@@ -10,9 +10,9 @@ use rayon::prelude::*;
 
 use crate::budget::{Budget, Figures};
 use crate::options::BuildOptions;
-use hullmap_verify::estimates::DecomposedObject;
-use hullmap_verify::measure::{self, Measured};
-use hullmap_verify::part::{Part, diagonal, parts};
+use hullmap_bake::parts::cut::{Part, parts};
+use hullmap_bake::parts::estimates::DecomposedObject;
+use hullmap_bake::parts::measure::{self, Measured};
 
 /// A pack in memory.
 #[derive(Clone, Debug, Default)]
@@ -94,7 +94,7 @@ fn bake_within_budget(
     options: &BuildOptions,
     stage: Stage,
 ) -> Result<(BakedHull, Option<Remark>), BakeError> {
-    let (limit, index) = (options.simplify(diagonal(points)), options.index());
+    let (limit, index) = (options.simplify(points.diagonal()), options.index());
     let Some(budget) = options.budget() else {
         return Ok((bake_hull_in(points, limit, index, stage)?, None));
     };

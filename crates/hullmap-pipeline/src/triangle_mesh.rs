@@ -1,7 +1,7 @@
 use hullmap::{EdgeClass, TriangleMesh};
-use hullmap_bake::number::grouped;
 use hullmap_bake::triangle_mesh::{TJunctions, Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_bake::{PointSet, SourceRecord, fit};
+use hullmap_geometry::number::grouped;
 use hullmap_import::{Imported, Materials};
 
 const MAX_MATERIALS: usize = 1000;

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use hullmap::Pack;
-use hullmap_bake::number::{percent, short};
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{PointSet, SolidKind, SourceRecord};
+use hullmap_geometry::number::{percent, short};
 use hullmap_import::{self as import, Imported, ReadError, UpAxis};
 use serde::Serialize;
 
@@ -14,7 +14,8 @@ use crate::args::DecomposeArgs;
 use crate::interrupt;
 use crate::progress::Progress;
 use crate::terminal::{self, Output};
-use hullmap_bake::number::grouped;
+use hullmap_bake::parts::estimates::DecomposedObject;
+use hullmap_geometry::number::grouped;
 use hullmap_pipeline::baker::{BakedPack, bake_pack};
 use hullmap_pipeline::mesh_file::body::Body;
 use hullmap_pipeline::mesh_file::{glb, obj, place};
@@ -23,8 +24,6 @@ use hullmap_pipeline::pack_file::{folder_of, make_folder};
 use hullmap_pipeline::runner::Observer;
 use hullmap_pipeline::runner::rows::Status;
 use hullmap_pipeline::runner::schedule;
-use hullmap_verify::estimates::DecomposedObject;
-use hullmap_verify::part::diagonal;
 
 /// Share of the time after which the meshes are read.
 const READ: f64 = 0.05;
@@ -179,7 +178,7 @@ fn describe(meshes: &[PointSet], pack: &Pack, bodies: &[Body], objects: &[Decomp
             parts: own.len(),
             vertices: bodies.iter().map(|body| body.positions.len()).sum(),
             triangles: bodies.iter().map(|body| body.triangles().count()).sum(),
-            diagonal: diagonal(mesh),
+            diagonal: mesh.diagonal(),
             solid: first.and_then(|hull| hull.solid()).map(SolidKind::as_str),
             uncovered: first.and_then(|hull| hull.uncovered()),
             protrusion: own.iter().map(|hull| hull.protrusion()).reduce(|a, b| Some(a?.max(b?))).flatten(),

@@ -9,7 +9,7 @@ use crate::pose::{parse_pose, read_poses};
 use crate::selection::Selection;
 use crate::table::{Align, Table, or_dash};
 use crate::terminal::Output;
-use hullmap_bake::number::rounded;
+use hullmap_geometry::number::rounded;
 use hullmap_pipeline::open::{noun, open_asset};
 use hullmap_pipeline::outcome::{Exit, Failure};
 

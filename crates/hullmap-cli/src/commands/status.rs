@@ -16,7 +16,7 @@ use crate::args::StatusArgs;
 use crate::rows::jobs_of_folders;
 use crate::table::{Align, Table, or_dash};
 use crate::terminal::Output;
-use hullmap_bake::number::grouped;
+use hullmap_geometry::number::grouped;
 use hullmap_pipeline::jobs::Job;
 use hullmap_pipeline::jobs::shard::shard_of;
 use hullmap_pipeline::outcome::{Exit, Failure, end};

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::triangle_mesh::MeshSummary;
-use hullmap_verify::estimates::DecomposedObject;
+use hullmap_bake::parts::estimates::DecomposedObject;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]

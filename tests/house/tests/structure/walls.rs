@@ -105,8 +105,11 @@ fn the_baker_depends_neither_on_the_runtime_nor_on_the_command_line() {
 
 /// `png` reads heights; `image` would decode textures.
 #[test]
-fn import_depends_neither_on_the_runtime_nor_on_the_command() {
-    assert_unseen("hullmap-import", &["hullmap", "hullmap-cli", "indicatif", "memmap2", "image", "notify", "shapes"]);
+fn import_depends_on_neither_half_nor_on_the_command() {
+    assert_unseen(
+        "hullmap-import",
+        &["hullmap", "hullmap-bake", "hullmap-cli", "indicatif", "memmap2", "image", "notify", "shapes"],
+    );
     assert!(!tree("hullmap-import", "normal", &[]).contains("clap"), "only the feature adds flags");
 }
 
@@ -167,6 +170,13 @@ fn verification_depends_on_both_sides_and_not_on_the_command() {
     for package in ["hullmap", "hullmap-bake", "hullmap-import"] {
         assert_unseen(package, &["hullmap-verify"]);
     }
+}
+
+/// Both halves may depend on it.
+#[test]
+fn geometry_depends_on_glam_alone() {
+    let seen = tree("hullmap-geometry", "normal,build", &["--all-features"]);
+    assert_eq!(seen, ["glam", "hullmap-geometry"].map(str::to_owned).into());
 }
 
 /// Whole robots are not in the runtime, and planners need no command.

@@ -18,7 +18,7 @@ use serde::Serialize;
 use crate::args::export::{ExportArgs, Format, Target};
 use crate::selection::Selection;
 use crate::terminal::{self, Output};
-use hullmap_bake::number::{grouped, rounded};
+use hullmap_geometry::number::{grouped, rounded};
 use hullmap_pipeline::mesh_file::body::{Body, DENSITY, Inertial};
 use hullmap_pipeline::mesh_file::names::{self, NAMES_IN_MESSAGE};
 use hullmap_pipeline::mesh_file::{glb, obj, place, stl};

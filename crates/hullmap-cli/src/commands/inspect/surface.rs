@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::table::shortest;
 use crate::terminal::Output;
-use hullmap_bake::number::grouped;
+use hullmap_geometry::number::grouped;
 use hullmap_pipeline::open::kept_warnings;
 use hullmap_pipeline::options::BuildOptions;
 use hullmap_pipeline::outcome::Failure;

@@ -14,13 +14,13 @@ use super::sought::{Sought, seek_source, source_name};
 use super::surface::analyse_surface;
 use crate::args::ReportArgs;
 use crate::source_mesh::display_mesh;
+use hullmap_bake::parts::estimates::PartsEstimates;
 use hullmap_pipeline::content::{Content, Verified, verify};
 use hullmap_pipeline::open::{kept_warnings, open_asset};
 use hullmap_pipeline::options::BuildOptions;
 use hullmap_pipeline::outcome::Failure;
 use hullmap_pipeline::packs::PackPlace;
 use hullmap_pipeline::source::{Folders, Source};
-use hullmap_verify::estimates::PartsEstimates;
 use hullmap_verify::geometry::polygons;
 use hullmap_verify::pack::HullVerification;
 

@@ -20,7 +20,7 @@ use hullmap_report::{Card, folder_page};
 
 use crate::args::ReportArgs;
 use crate::terminal::{self, Output};
-use hullmap_bake::number::grouped;
+use hullmap_geometry::number::grouped;
 use hullmap_pipeline::jobs::slashed;
 use hullmap_pipeline::outcome::{Exit, Failure, end};
 use hullmap_pipeline::pack_file::{

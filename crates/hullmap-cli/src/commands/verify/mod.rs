@@ -5,12 +5,12 @@ mod surfaces;
 use std::path::Path;
 
 use hullmap::{Asset, Pack};
-use hullmap_bake::number::{percent, short};
+use hullmap_geometry::number::{percent, short};
 
 use crate::args::verify::VerifyArgs;
 use crate::table::{Align, Table, or_dash};
 use crate::terminal::{self, Output};
-use hullmap_bake::number::grouped;
+use hullmap_geometry::number::grouped;
 use hullmap_pipeline::budget::{Figures, budget};
 use hullmap_pipeline::content::{Verified, verify};
 use hullmap_pipeline::open::open_asset;

@@ -1,6 +1,6 @@
 use crate::table::{Align, Table, or_dash};
 use crate::terminal::{self, Output};
-use hullmap_bake::number::grouped;
+use hullmap_geometry::number::grouped;
 use hullmap_pipeline::outcome::Failure;
 use hullmap_verify::triangle_mesh::SurfaceVerification;
 

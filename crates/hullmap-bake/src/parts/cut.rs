@@ -2,11 +2,12 @@
 
 use std::borrow::Cow;
 
-use hullmap_bake::PointSet;
-use hullmap_bake::deadline::monotonic;
-use hullmap_bake::decompose::{Cover, decompose_in};
-use hullmap_bake::progress::Stage;
+use hullmap_geometry::PointSet;
 use rayon::prelude::*;
+
+use crate::deadline::monotonic;
+use crate::decompose::{Cover, decompose_in};
+use crate::progress::Stage;
 
 /// The points of one hull: a point set of the source, or a convex part of it.
 #[derive(Clone, Debug)]
@@ -53,13 +54,4 @@ pub fn parts<'a>(point_sets: &'a [PointSet], cover: Option<&Cover>, stage: Stage
         }
     }
     Ok(parts)
-}
-
-/// Diagonal of the box around points.
-pub fn diagonal(points: &PointSet) -> f64 {
-    let sides = [0, 1, 2].map(|axis| {
-        let along = || points.positions.iter().map(|p| f64::from(p[axis]));
-        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-    });
-    sides.iter().map(|side| side * side).sum::<f64>().sqrt()
 }

@@ -1,4 +1,4 @@
-//! Input of the baker: a set of source points.
+//! A set of source points: what readers of files make, and the baker and the judge take.
 
 use std::sync::Arc;
 
@@ -13,13 +13,28 @@ pub struct PointSet {
     /// Positions in source units.
     pub positions: Vec<[f32; 3]>,
     /// For each position, the zero-based index of its vertex in the source file (the `v` lines of
-    /// an OBJ), or [`NO_SOURCE_VERTEX`](crate::NO_SOURCE_VERTEX).
+    /// an OBJ), or `u32::MAX` for a point that is not a vertex.
     pub source_vertices: Vec<u32>,
     /// Origin of the positions' frame in the source's frame, already subtracted.
     pub origin: [f64; 3],
-    /// Triangles of the mesh, as indices of positions; empty for a point cloud. Only
-    /// [`decompose`](crate::decompose) and [`parts`](crate::fit) read them.
+    /// Triangles of the mesh, as indices of positions; empty for a point cloud.
     pub triangles: Vec<[u32; 3]>,
     /// The mesh that this collision part stands for, in the same frame and shared by all its parts.
     pub stands_for: Option<Arc<PointSet>>,
+}
+
+impl PointSet {
+    /// Diagonal of the box around the points.
+    pub fn diagonal(&self) -> f64 {
+        diagonal(&self.positions)
+    }
+}
+
+/// Diagonal of the box around points; not finite without points.
+pub fn diagonal(points: &[[f32; 3]]) -> f64 {
+    let sides = [0, 1, 2].map(|axis| {
+        let along = || points.iter().map(|p| f64::from(p[axis]));
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    });
+    sides.iter().map(|side| side * side).sum::<f64>().sqrt()
 }

@@ -4,18 +4,20 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use hullmap_bake::advice::usability::{Flaw, ObjectMeasures, PartMeasures, doubts, excess, thickness};
-use hullmap_bake::advice::{self, Remark};
-use hullmap_bake::deadline::{Deadline, is_over};
-use hullmap_bake::decompose::{Cover, Length};
-use hullmap_bake::fit::{Fit, Solid, fits_around, mesh_mass};
-use hullmap_bake::hull::Hull;
-use hullmap_bake::primitive::{PrimitiveLimits, primitives};
-use hullmap_bake::progress::Stage;
-use hullmap_bake::{BakedHull, PointSet, SolidKind};
+use crate::advice::usability::{Flaw, ObjectMeasures, PartMeasures, doubts, excess, thickness};
+use crate::advice::{self, Remark};
+use crate::baked_hull::BakedHull;
+use crate::deadline::{Deadline, is_over};
+use crate::decompose::{Cover, Length};
+use crate::fit::{Fit, Solid, fits_around, mesh_mass};
+use crate::hull::Hull;
+use crate::primitive::{PrimitiveLimits, primitives};
+use crate::progress::Stage;
+use hullmap_format::SolidKind;
+use hullmap_geometry::PointSet;
 
-use crate::estimates::{DecomposedObject, PartsEstimates};
-use crate::part::{Part, diagonal};
+use super::cut::Part;
+use super::estimates::{DecomposedObject, PartsEstimates};
 
 /// Findings about the parts of all objects.
 #[derive(Debug, Default)]
@@ -59,7 +61,7 @@ pub fn parts(
         let is_divided = count > 1 || !is_whole;
         if !points.triangles.is_empty() {
             // With a maximum number of parts, the limit is not proven.
-            let limit = cover.max_parts.is_none().then(|| cover.max_error.resolve(diagonal(points)));
+            let limit = cover.max_parts.is_none().then(|| cover.max_error.resolve(points.diagonal()));
             let spent = parts.get(start - count).map_or(0.0, |part| part.seconds);
             let deadline = cover.seconds.map(|seconds| Deadline::after((seconds - spent).max(0.0)));
             let (estimates, holes) = record(points, own, limit, Some(cover), is_divided, deadline);
@@ -67,7 +69,7 @@ pub fn parts(
             if has_primitives {
                 measured.remarks.extend(record_primitives(points, own, cover, deadline));
             }
-            judge(name, diagonal(points), own, Some(cover), estimates, &mut measured);
+            judge(name, points.diagonal(), own, Some(cover), estimates, &mut measured);
         }
         steps.take();
         if is_divided {
@@ -93,7 +95,7 @@ pub fn collision_parts(point_sets: &[PointSet], hulls: &mut [BakedHull]) -> Meas
         let Some(mesh) = own.first().and_then(|points| points.stands_for.as_deref()) else { continue };
         let (estimates, _) = record(mesh, hulls, None, None, hulls.len() > 1, None);
         (0..).zip(hulls.iter_mut()).for_each(|(part, baked)| baked.part = part);
-        judge(&mesh.name, diagonal(mesh), hulls, None, estimates, &mut measured);
+        judge(&mesh.name, mesh.diagonal(), hulls, None, estimates, &mut measured);
         if hulls.len() > 1 {
             measured.remarks.push(about_parts(&hulls[0].name, hulls, None));
         }
@@ -165,7 +167,7 @@ fn record_primitives(
         return None;
     }
     let reached = fits.iter().map(|fit| fit.protrusion).fold(0.0, f64::max);
-    let limit = if cover.max_parts.is_some() { reached } else { cover.max_error.resolve(diagonal(mesh)) };
+    let limit = if cover.max_parts.is_some() { reached } else { cover.max_error.resolve(mesh.diagonal()) };
     let hulls: Vec<&Hull> = own.iter().map(|baked| &baked.hull).collect();
     let limits = PrimitiveLimits { protrusion: limit, contains_part: cover.fill, deadline };
     let found = if is_over(deadline) {

@@ -1,9 +1,9 @@
-//! Quadratic program (dual active set): the point nearest to the origin in half-spaces.
+//! Quadratic program (dual active set): the point nearest to the origin outside of half-spaces.
 //!
 //! # Steps
 //! 1. Start at the origin, with an empty set of active planes.
 //! 2. Take the plane that is violated most. The new active set is the at most three of it and the
-//!    active planes that determine the nearest point of all their half-spaces.
+//!    active planes that determine the nearest point outside of all their half-spaces.
 //! 3. Repeat until no plane is violated. The distance grows, so no active set occurs twice.
 //!
 //! # Reference
@@ -13,19 +13,12 @@
 
 use glam::{DMat3, DVec3};
 
-/// All x with `normal` · x ≥ `offset`. The normal has unit length.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HalfSpace {
-    /// Unit normal, which points into the half-space.
-    pub normal: DVec3,
-    /// Signed distance of its plane from the origin, along the normal.
-    pub offset: f64,
-}
+use crate::planes::HalfSpace;
 
 /// Maximum number of steps. Five to ten are common.
 const MAX_STEPS: usize = 100;
 
-/// Distance outside a half-space up to which a point counts as inside, relative to the sum of the
+/// Distance inside a half-space up to which a point counts as outside, relative to the sum of the
 /// point's distance from the origin and the plane's offset.
 const SLACK: f64 = 1e-13;
 
@@ -38,8 +31,8 @@ const LIMIT: f64 = 1e-10;
 /// Squared sine below which planes count as parallel: their intersection is rounding error.
 const PARALLEL: f64 = 1e-20;
 
-/// The point nearest to the origin in all `half_spaces`; `None` if they have no common point within
-/// `reach`, or if the search does not converge.
+/// The point nearest to the origin outside of all `half_spaces`, or on their planes; `None` if there
+/// is none within `reach`, or if the search does not converge.
 ///
 /// # Complexity
 /// O(number of half-spaces) per step.
@@ -47,7 +40,7 @@ pub fn nearest_to_origin(half_spaces: &[HalfSpace], reach: f64) -> Option<DVec3>
     nearest_with_planes(half_spaces, reach).map(|nearest| nearest.point)
 }
 
-/// The nearest point in an intersection of half-spaces, and the planes that determine it.
+/// The nearest point outside of half-spaces, and the planes that determine it.
 pub struct NearestPoint {
     /// The point.
     pub point: DVec3,
@@ -108,7 +101,7 @@ pub fn nearest_with_planes(half_spaces: &[HalfSpace], reach: f64) -> Option<Near
     None
 }
 
-/// The nearest point in the half-spaces of `held` and `new`, and its planes, with `new`.
+/// The nearest point outside of `held` and `new`, and its planes, with `new`.
 fn with(held: &[HalfSpace], new: HalfSpace) -> Option<(DVec3, [HalfSpace; 3], usize)> {
     let mut best: Option<(DVec3, [HalfSpace; 3], usize)> = None;
     // Every choice of at most two active planes.
@@ -139,8 +132,8 @@ fn with(held: &[HalfSpace], new: HalfSpace) -> Option<(DVec3, [HalfSpace; 3], us
     best
 }
 
-/// The point nearest to the origin on one to three `planes`; `None` if their half-spaces contain a
-/// nearer point, or if they are parallel.
+/// The point nearest to the origin on one to three `planes`; `None` if a nearer point is outside of
+/// their half-spaces, or if they are parallel.
 fn on_planes(planes: &[HalfSpace]) -> Option<DVec3> {
     match planes {
         [a] => (a.offset >= 0.0).then(|| a.normal * a.offset),

@@ -1,20 +1,21 @@
 //! Estimates of how the parts of an object fit together, and its summary in the rows of a build.
 
-use hullmap_bake::PointSet;
-use hullmap_bake::advice::usability::{Doubt, ObjectMeasures};
-use hullmap_bake::deadline::Deadline;
-use hullmap_bake::decompose::Cover;
-use hullmap_bake::fit::{Looseness, Solid, SolidKind, VoidsShare, looseness_of_parts, overlap, remainder, voids};
-use hullmap_bake::hull::{self, Hull};
-use hullmap_bake::symmetry::{Mirror, mirror_of_parts};
-use serde::Serialize;
+use hullmap_geometry::PointSet;
+
+use crate::advice::usability::{Doubt, ObjectMeasures};
+use crate::deadline::Deadline;
+use crate::decompose::Cover;
+use crate::fit::{Looseness, Solid, SolidKind, VoidsShare, looseness_of_parts, overlap, remainder, voids};
+use crate::hull::{self, Hull};
+use crate::symmetry::{Mirror, mirror_of_parts};
 
 /// A pack may be hostile, and the time grows with the square of the number.
 const MAX_PARTS: usize = 4096;
 
 /// Estimates of how the parts of one object fit together. Field names are the JSON's; `None` if
 /// something was not measured. Lengths are in source units.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct PartsEstimates {
     /// Sum of the parts' volumes minus the volume of their union, relative to the latter.
     pub overlap: Option<f64>,
@@ -36,7 +37,8 @@ pub struct PartsEstimates {
 }
 
 /// A plane of symmetry: the points p with `normal · p = offset`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct MirrorPlane {
     /// Unit normal.
     pub normal: [f64; 3],
@@ -122,7 +124,8 @@ impl PartsEstimates {
 }
 
 /// An object whose mesh was decomposed, or whose parts came with it. Field names are the JSON's.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct DecomposedObject {
     /// Name of the object.
     pub name: String,
@@ -142,7 +145,7 @@ pub struct DecomposedObject {
     /// Why an engine cannot use the parts well, in one word each; empty if it can.
     pub flaws: Vec<String>,
     /// How the parts fit together.
-    #[serde(flatten)]
+    #[cfg_attr(feature = "serde", serde(flatten))]
     pub estimates: PartsEstimates,
 }
 

@@ -1,8 +1,6 @@
-//! Half-spaces of a part's faces, and polygons clipped by them.
+//! Half-spaces, the planes of faces, and polygons clipped by them.
 
 use glam::DVec3;
-
-use crate::hull::Hull;
 
 /// A half-space: the points p with `normal · p ≤ offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,16 +49,6 @@ pub fn of_face(corners: &[DVec3], points: &[DVec3]) -> Option<(HalfSpace, f64)> 
     Some((HalfSpace { normal, offset }, 0.5 * area.length()))
 }
 
-/// One half-space per face of a solid hull with area, each containing the whole face.
-pub fn half_spaces(hull: &Hull) -> Vec<HalfSpace> {
-    let positions = hull.positions();
-    let of_face = |face: &Vec<u32>| {
-        let corners: Vec<DVec3> = face.iter().map(|v| positions[*v as usize]).collect();
-        Some(of_face(&corners, &positions)?.0)
-    };
-    hull.faces.iter().filter_map(of_face).collect()
-}
-
 /// One half-space per edge of a convex polygon with the given normal, at right angles to it, each
 /// containing the whole edge. Edges without length are left out.
 pub fn around(polygon: &[DVec3], normal: DVec3) -> Vec<HalfSpace> {
@@ -70,6 +58,28 @@ pub fn around(polygon: &[DVec3], normal: DVec3) -> Vec<HalfSpace> {
         Some(HalfSpace { normal: outward, offset: outward.dot(from).max(outward.dot(to)) })
     };
     polygon.iter().enumerate().filter_map(edge).collect()
+}
+
+/// Appends the part of a convex polygon whose height is at least 0; NaN counts as below. `at` is the
+/// point at a share of the way between two corners.
+pub fn clip<P: Copy>(polygon: &[P], height: impl Fn(P) -> f64, at: impl Fn(P, P, f64) -> P, out: &mut Vec<P>) {
+    let Some(&last) = polygon.last() else { return };
+    let (mut p, mut p_height) = (last, height(last));
+    for &q in polygon {
+        let q_height = height(q);
+        if (p_height >= 0.0) != (q_height >= 0.0) {
+            out.push(at(p, q, p_height / (p_height - q_height)));
+        }
+        if q_height >= 0.0 {
+            out.push(q);
+        }
+        (p, p_height) = (q, q_height);
+    }
+}
+
+/// The point at a share of the way between two points of a plane.
+pub fn between(p: [f64; 2], q: [f64; 2], share: f64) -> [f64; 2] {
+    [p[0] + (q[0] - p[0]) * share, p[1] + (q[1] - p[1]) * share]
 }
 
 /// The parts of a convex polygon inside and outside of a plane; either may be empty. Corners within
