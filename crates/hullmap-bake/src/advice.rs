@@ -6,8 +6,10 @@ use std::collections::HashMap;
 
 use crate::decompose::{Cover, Length};
 use crate::fit::{self, Looseness};
-use crate::number::{grouped, percent, rounded, short};
-use crate::{BakedHull, Fit, PointSet, SolidKind, mass};
+use crate::{baked_hull::BakedHull, fit::Fit, mass};
+use hullmap_format::SolidKind;
+use hullmap_geometry::PointSet;
+use hullmap_geometry::number::{grouped, percent, rounded, short};
 
 pub mod usability;
 

@@ -2,10 +2,10 @@
 
 use hullmap_format::{height_field::check::LayoutError, triangle_mesh::MAX_TRIANGLES, walk::IndexError};
 
-use crate::hull::certify::CertificateError;
-use crate::index::certify::proof::Unproven;
-use crate::point_set::MAX_POINTS;
-use crate::simplify::limit::MIN_VERTICES;
+use crate::limit::MIN_VERTICES;
+use glam::DVec3;
+use hullmap_geometry::MAX_POINTS;
+use hullmap_geometry::number::short;
 
 /// Why a hull could not be baked.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -78,4 +78,64 @@ pub enum BakeError {
     /// Not even a scan of all vertices is proven to be exact. This is a bug.
     #[error("no direction index could be proven: {0}; please report this mesh")]
     Unproven(Unproven),
+}
+
+/// Why a hull fails its certificate.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
+pub enum CertificateError {
+    /// A source point is too far outside the hull.
+    #[error(
+        "a source point is {} of the diameter outside of the hull (at most {CONTAINMENT:e} is allowed)",
+        short(*error)
+    )]
+    Containment {
+        /// Distance relative to the diameter; NaN if unknown.
+        error: f64,
+    },
+    /// The faces do not form a closed, consistently oriented surface.
+    #[error(
+        "its faces are not a closed surface (V - E + F is {euler}; every edge must be in two faces, once in each direction)"
+    )]
+    Surface {
+        /// V − E + F; 2 for a polyhedron.
+        euler: i64,
+    },
+    /// A face is degenerate or faces inward.
+    #[error("face {face} is degenerate or faces inward")]
+    Inward { face: usize },
+}
+
+/// Maximum distance of a source point from the hull, relative to the hull's diameter.
+pub const CONTAINMENT: f64 = 1e-7;
+
+/// Maximum regret of a proven index, relative to the diameter. A support query is exact up to
+/// 2e-7, of which the hull's distance from its source points may take the other half.
+pub const REGRET_LIMIT: f64 = 1e-7;
+
+/// Why an index is not proven.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages explain the fields")]
+pub enum Unproven {
+    /// A leaf does not list a support vertex.
+    #[error("in direction {direction}, the leaf at word {slot} does not list support vertex {vertex}")]
+    Missing { slot: usize, vertex: u32, direction: DVec3 },
+    /// No arc crosses a leaf, and none of its candidates is the support vertex there.
+    #[error("in direction {direction}, the leaf at word {slot} does not list the support vertex")]
+    Elsewhere { slot: usize, direction: DVec3 },
+    /// The region of a leaf is so thin that rounding error may matter.
+    #[error(
+        "the leaf at word {slot} has a region so thin that its regret may reach {bound:.1e} of the diameter (at most {REGRET_LIMIT:.1e} is exact)"
+    )]
+    Thin { slot: usize, bound: f64 },
+    /// A lane of a block does not hold a vertex of the hull.
+    #[error("lane {lane} of block {block} does not hold a vertex of the hull")]
+    Lane { block: usize, lane: usize },
+    /// A plane or a fan has a vector that is not of unit length, or a step of a fan does not start
+    /// at its own angle.
+    #[error("the node at word {at} has a vector that is not of unit length, or a step at the wrong angle")]
+    Node { at: usize },
+    /// Nodes are shared so that a proof would take too long.
+    #[error("a proof would take too long: the index visits its nodes too often")]
+    Work,
 }

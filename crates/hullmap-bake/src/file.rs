@@ -6,7 +6,7 @@ use hullmap_format::{
 };
 use rkyv::{Serialize, api::high::HighSerializer, rancor, ser::allocator::ArenaHandle};
 
-use crate::BakeError;
+use crate::error::BakeError;
 
 /// The bytes of a file with this archive, whose `header` is a function of the payload.
 pub(crate) fn bytes<T>(archive: &T, header: impl FnOnce(&[u8]) -> Header) -> Result<Vec<u8>, BakeError>

@@ -195,7 +195,8 @@ fn facet_normal(face: &[u32], positions: &[DVec3]) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{PointSet, hull};
+    use crate::hull;
+    use hullmap_geometry::PointSet;
 
     fn map(positions: Vec<[f32; 3]>) -> (Hull, GaussMap) {
         let source_vertices = (0..positions.len() as u32).collect();

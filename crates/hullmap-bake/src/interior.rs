@@ -46,7 +46,8 @@ fn distance_to_plane(face: &[u32], vertices: &[DVec3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{PointSet, hull, mass};
+    use crate::{hull, mass};
+    use hullmap_geometry::PointSet;
 
     #[test]
     fn balls_of_a_box() {

@@ -116,7 +116,8 @@ pub(crate) fn outer(p: DVec3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{PointSet, hull};
+    use crate::hull;
+    use hullmap_geometry::PointSet;
 
     fn mass_of(positions: &[[f32; 3]]) -> Mass {
         let source_vertices = (0..positions.len() as u32).collect();

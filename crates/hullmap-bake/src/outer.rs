@@ -21,13 +21,11 @@ use std::collections::BTreeSet;
 
 use glam::{DMat3, DVec3};
 
-use crate::{
-    PointSet,
-    hull::{
-        self, Hull,
-        quickhull::{FILTER, exact_above, magnitude},
-    },
+use crate::hull::{
+    self, Hull,
+    quickhull::{FILTER, exact_above, magnitude},
 };
+use hullmap_geometry::PointSet;
 
 /// Hulls with at most this many vertices have no outer hull, because it would be no simpler.
 const COARSE_ENOUGH: usize = 32;

@@ -13,7 +13,10 @@ mod sections;
 use sections::{ExtendedSections, Sections};
 
 use crate::{
-    BakeError, BakedHull, SourceRecord, bvh, file,
+    baked_hull::{BakedHull, SourceRecord},
+    bvh,
+    error::BakeError,
+    file,
     fit::VoidsShare,
     hull::{Hull, adjacency::Adjacency, quads::quads},
     mass::Mass,

@@ -7,6 +7,7 @@ pub mod export;
 mod guesses;
 mod limits;
 mod numbers;
+pub mod options;
 #[cfg(test)]
 mod reference;
 #[cfg(test)]
@@ -24,16 +25,19 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use hullmap_import::{EXTENSIONS, height_field};
 use hullmap_report::input::Up;
 
-use crate::glob::Glob;
-use crate::jobs::batch::BatchSize;
-use crate::jobs::shard::Shard;
-use crate::options::table::Section;
-use crate::options::{OptionLayer, PartsLayer, TERRAIN, flag};
 use crate::terminal::Escaped;
 use export::ExportArgs;
+use hullmap_pipeline::content::DEFAULT_DIRECTIONS;
+use hullmap_pipeline::glob::Glob;
+use hullmap_pipeline::jobs::Selection;
+use hullmap_pipeline::jobs::batch::BatchSize;
+use hullmap_pipeline::jobs::shard::Shard;
+use hullmap_pipeline::options::flag;
+use hullmap_pipeline::options::table::Section;
 use limits::LimitArgs;
 use numbers::{at_least_one, size};
-use verify::{DEFAULT_DIRECTIONS, VerifyArgs};
+use options::{OptionFlags, PartsLayer, TERRAIN};
+use verify::VerifyArgs;
 
 const FILES: &str = Section::Files.heading();
 const RUNNING: &str = "Running";
@@ -130,7 +134,7 @@ pub struct MeshArgs {
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
     #[command(flatten)]
-    pub options: OptionLayer,
+    pub options: OptionFlags,
     #[command(flatten)]
     pub limits: LimitArgs,
     /// Read options from FILE [default: the nearest hullmap.toml above each mesh]
@@ -156,6 +160,21 @@ pub struct MeshArgs {
         help_heading = FILES
     )]
     pub ext: Vec<String>,
+}
+
+impl MeshArgs {
+    pub fn selection(&self) -> Selection {
+        let own = self.clone();
+        Selection {
+            inputs: own.inputs,
+            options: own.options.0,
+            config: own.config,
+            no_config: own.no_config,
+            exclude: own.exclude,
+            no_ignore: own.no_ignore,
+            extensions: own.ext,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -350,7 +369,7 @@ pub struct RobotArgs {
     #[arg(long, value_name = "DIR|FILE")]
     pub out: PathBuf,
     #[command(flatten)]
-    pub options: OptionLayer,
+    pub options: OptionFlags,
     #[command(flatten)]
     pub limits: LimitArgs,
     /// Folder that contains packages or models, or is one itself; repeatable
@@ -586,7 +605,7 @@ fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
         _ => guesses::with_tip(with_usage(&program, error, words.get(1)), words, &command(&program)),
     })?;
     if let Some((name, options)) = cli.command.options() {
-        let clash = options.clash().map(|clash| clash.message(|key| format!("--{}", flag(key))));
+        let clash = options.0.clash().map(|clash| clash.message(|key| format!("--{}", flag(key))));
         if let Some(message) = clash.or_else(|| guesses::detached_value(words)) {
             return Err(subcommand_error(&program, name, ErrorKind::ArgumentConflict, message));
         }
@@ -595,7 +614,7 @@ fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
 }
 
 impl Command {
-    fn options(&self) -> Option<(&'static str, &OptionLayer)> {
+    fn options(&self) -> Option<(&'static str, &OptionFlags)> {
         match self {
             Self::Build(args) => Some(("build", &args.meshes.options)),
             Self::Terrain(args) => Some((TERRAIN, &args.meshes.options)),

@@ -1,22 +1,15 @@
 //! Ctrl-C: removes temporary files, keeps finished ones, and exits with [`EXIT`].
-//!
-//! The list of temporary files is locked while one is created, renamed or removed, and stays locked
-//! while the process exits, so that each file is either in place or removed. After a kill that
-//! cannot be caught, [`crate::pack_file::sweep`] removes leftovers.
 
-use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 
+use hullmap_pipeline::unfinished;
 use indicatif::MultiProgress;
 
 use crate::terminal;
 
 /// Exit code after Ctrl-C: 128 plus the signal number, as in shells.
 pub const EXIT: i32 = 130;
-
-static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 static SCREEN: Mutex<Option<MultiProgress>> = Mutex::new(None);
 
@@ -32,20 +25,18 @@ pub fn catch() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         let _ = ctrlc::set_handler(|| {
-            let unfinished = lock(&UNFINISHED);
-            for path in unfinished.iter() {
-                let _ = std::fs::remove_file(path);
-            }
-            if let Some(bars) = lock(&SCREEN).as_ref() {
-                let _ = bars.clear();
-            }
-            terminal::say(if IDLE.load(Ordering::Relaxed) {
-                "stopped watching"
-            } else {
-                "interrupted: finished files are kept, unfinished ones were removed; run the command again to continue"
+            unfinished::remove_all(|| {
+                if let Some(bars) = lock(&SCREEN).as_ref() {
+                    let _ = bars.clear();
+                }
+                terminal::say(if IDLE.load(Ordering::Relaxed) {
+                    "stopped watching"
+                } else {
+                    "interrupted: finished files are kept, unfinished ones were removed; run the command again to \
+                     continue"
+                });
+                std::process::exit(EXIT);
             });
-            // The list stays locked, so that no new file can appear.
-            std::process::exit(EXIT);
         });
     });
 }
@@ -60,20 +51,4 @@ pub fn idle<T>(wait: impl FnOnce() -> T) -> T {
 
 pub fn show(bars: Option<MultiProgress>) {
     *lock(&SCREEN) = bars;
-}
-
-/// Creates a temporary file and lists it, in one step. Returns the errors of `make`.
-pub fn make<T>(make: impl FnOnce() -> std::io::Result<T>, path: impl FnOnce(&T) -> &Path) -> std::io::Result<T> {
-    let mut unfinished = lock(&UNFINISHED);
-    let file = make()?;
-    unfinished.insert(path(&file).to_owned());
-    Ok(file)
-}
-
-/// Renames or removes a listed file and takes it off the list, in one step.
-pub fn settle<T>(path: &Path, settle: impl FnOnce() -> T) -> T {
-    let mut unfinished = lock(&UNFINISHED);
-    let result = settle();
-    unfinished.remove(path);
-    result
 }

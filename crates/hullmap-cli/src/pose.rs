@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 use hullmap::Pose;
 use hullmap_import::open_regular;
 
-use crate::outcome::Failure;
+use hullmap_pipeline::outcome::Failure;
 
 /// The quaternion may have any length except zero; it is normalised.
 pub fn parse_pose(text: &str) -> Result<Pose, String> {
@@ -69,7 +69,7 @@ pub fn read_poses(path: &Path) -> Result<Vec<Pose>, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::outcome::Exit;
+    use hullmap_pipeline::outcome::Exit;
 
     #[test]
     fn a_pose_is_seven_numbers() {

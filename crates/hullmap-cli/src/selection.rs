@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::outcome::Failure;
-use crate::packs::is_baked;
+use hullmap_pipeline::outcome::Failure;
+use hullmap_pipeline::packs::is_baked;
 
 const NAMES_IN_MESSAGE: usize = 8;
 

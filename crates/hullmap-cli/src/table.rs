@@ -2,7 +2,7 @@
 
 use std::io;
 
-use hullmap_bake::number::LEAST_PLAIN;
+use hullmap_geometry::number::LEAST_PLAIN;
 
 use crate::terminal::{Escaped, Output};
 
@@ -76,7 +76,7 @@ pub fn or_dash<T>(value: Option<T>, show: impl FnOnce(T) -> String) -> String {
 
 #[cfg(test)]
 mod tests {
-    use hullmap_bake::number::grouped;
+    use hullmap_geometry::number::grouped;
 
     use super::*;
 

@@ -10,6 +10,7 @@
 use std::fmt::{self, Display, Write as _};
 use std::io::{self, BufWriter, IsTerminal, Write, stderr, stdout};
 
+use hullmap_pipeline::mesh_file::names::is_escaped;
 use indicatif::ProgressDrawTarget;
 use serde::Serialize;
 use serde_json::ser::{CompactFormatter, Formatter};
@@ -60,18 +61,6 @@ impl fmt::Write for Escaping<'_, '_> {
         }
         self.0.write_str(rest)
     }
-}
-
-pub fn is_escaped(letter: char) -> bool {
-    // C0, DEL and C1.
-    letter.is_control()
-        || matches!(
-            letter,
-            // Marks, embeddings, overrides and isolates of the bidirectional algorithm.
-            '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}'
-            // Separators of lines and paragraphs.
-            | '\u{2028}' | '\u{2029}'
-        )
 }
 
 pub struct Output<'a> {

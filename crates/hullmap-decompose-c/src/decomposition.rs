@@ -18,6 +18,7 @@ use hullmap_bake::mass::{Mass, mass};
 use hullmap_bake::progress::{Progress, Stage};
 use hullmap_bake::simplify::{Limit, MIN_VERTICES, simplify};
 use hullmap_bake::{BakeError, MAX_POINTS, PointSet};
+use hullmap_geometry::diagonal;
 
 use crate::failure::Failure;
 use crate::types::{Facts, Options, Part, Result as Code};
@@ -230,17 +231,6 @@ fn point_set(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<PointSet, Fa
     found.retain(|[a, b, c]| a != b && b != c && c != a);
     mesh.triangles = found;
     Ok(mesh)
-}
-
-/// Diagonal of the box around positions.
-fn diagonal(positions: &[[f32; 3]]) -> f64 {
-    let mut bounds = [(f32::INFINITY, f32::NEG_INFINITY); 3];
-    for position in positions {
-        for ((low, high), x) in bounds.iter_mut().zip(position) {
-            (*low, *high) = (low.min(*x), high.max(*x));
-        }
-    }
-    bounds.iter().map(|(low, high)| (f64::from(*high) - f64::from(*low)).powi(2)).sum::<f64>().sqrt()
 }
 
 /// A point relative to `origin`, in the frame of the mesh.

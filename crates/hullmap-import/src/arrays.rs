@@ -1,6 +1,6 @@
 //! Import of meshes that are in memory instead of in a file: arrays of positions and of faces.
 
-use hullmap_bake::MAX_POINTS;
+use hullmap_geometry::MAX_POINTS;
 
 use crate::fault::{Fault, ImportError, counted};
 use crate::import::{Imported, imported};

@@ -1,8 +1,8 @@
 //! Warning about points so far from the origin that `f32` loses precision: by a ratio of lengths,
 //! at any scale.
 
-use hullmap_bake::PointSet;
-use hullmap_bake::number::{percent, short};
+use hullmap_geometry::PointSet;
+use hullmap_geometry::number::{percent, short};
 
 use crate::fault::{counted, excerpt};
 

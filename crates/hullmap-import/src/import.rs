@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use hullmap_bake::PointSet;
+use hullmap_geometry::PointSet;
 use rayon::prelude::*;
 
 use crate::{

@@ -9,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
 
-use hullmap_bake::PointSet;
+use hullmap_geometry::PointSet;
 
 use crate::conventions;
 use crate::fault::{Fault, excerpt};

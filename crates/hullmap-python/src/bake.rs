@@ -7,8 +7,8 @@ use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::time::Duration;
 
-use hullmap_cli::{BakedPack, InMemoryError, Progress, Stage};
 use hullmap_import::{MeshArrays, Polygons};
+use hullmap_pipeline::{BakedPack, InMemoryError, Progress, Stage};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -34,7 +34,7 @@ pub fn bake_arrays(
 ) -> PyResult<Pack> {
     let meshes = meshes.iter().map(copy).collect::<PyResult<Vec<MeshArrays>>>()?;
     bake(py, threads, report, move |stage| {
-        hullmap_cli::bake_arrays(&name, meshes, &borrowed(&options), stage).map(|(pack, _)| pack)
+        hullmap_pipeline::bake_arrays(&name, meshes, &borrowed(&options), stage).map(|(pack, _)| pack)
     })
 }
 
@@ -47,7 +47,7 @@ pub fn bake_file(
     threads: Threads,
     report: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Pack> {
-    bake(py, threads, report, move |stage| hullmap_cli::bake_file(&path, &borrowed(&options), stage))
+    bake(py, threads, report, move |stage| hullmap_pipeline::bake_file(&path, &borrowed(&options), stage))
 }
 
 fn borrowed(options: &[(String, String)]) -> Vec<(&str, &str)> {
@@ -125,5 +125,5 @@ fn bake(
 
 /// A message of the command, with the options as keywords: `--max-vertices` becomes `max_vertices`.
 pub fn in_python(message: &str) -> String {
-    hullmap_cli::without_flags(message, str::to_owned)
+    hullmap_pipeline::without_flags(message, str::to_owned)
 }

@@ -1,8 +1,8 @@
 //! Layers of Universal Scene Description (USD): packs and prims from Python, as text. Python reads
 //! the stage; the layer is written by the code of `bake export --for usd`.
 
-use hullmap_cli::usda::{self, UsdGroup, UsdLayer, UsdMass};
 use hullmap_import::UpAxis;
+use hullmap_pipeline::mesh_file::usda::{self, UsdGroup, UsdLayer, UsdMass};
 use pyo3::prelude::*;
 
 use crate::error::BakeError;

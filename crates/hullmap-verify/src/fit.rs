@@ -17,14 +17,15 @@ use std::collections::BinaryHeap;
 
 use glam::DVec3;
 use hullmap::{Hull, SolidKind};
-use hullmap_bake::PointSet;
 use hullmap_bake::fit::{Solid, uncovered};
+use hullmap_geometry::PointSet;
 use rayon::prelude::*;
 
 use crate::geometry::{polygons, rebuilt};
 use crate::outside::to_point;
 use crate::random::SplitMix;
-use crate::soup::{Triangle, TriangleSoup, closest};
+use crate::soup::TriangleSoup;
+use hullmap_geometry::triangle::{self, Triangle, centroid, halves};
 
 const MAX_CELLS: usize = 40_000;
 
@@ -177,7 +178,7 @@ impl Judge {
                 return Measured { bound: f64::INFINITY, value: 0.0, at: centre };
             };
             // The distance from a triangle is greatest at a corner.
-            let farthest = corners.iter().map(|p| closest(&triangle, *p).distance(*p)).fold(0.0, f64::max);
+            let farthest = corners.iter().map(|p| triangle::nearest(&triangle, *p).distance(*p)).fold(0.0, f64::max);
             let bound = (distance + radius).min(farthest);
             if bound <= claim {
                 return Measured { bound, value: 0.0, at: centre };
@@ -225,17 +226,8 @@ fn surface(hull: &Hull, vertices: &[DVec3]) -> Vec<Triangle> {
 
 /// Centroid, and radius of a ball around it that contains the triangle.
 fn ball(corners: &Triangle) -> (DVec3, f64) {
-    let centre = corners.iter().sum::<DVec3>() / 3.0;
+    let centre = centroid(corners);
     (centre, corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max))
-}
-
-/// The two halves of a triangle, cut through the middle of its longest side.
-fn halves(&[a, b, c]: &Triangle) -> [Triangle; 2] {
-    let sides = [(a, b, c), (b, c, a), (c, a, b)];
-    let longest = sides.into_iter().max_by(|s, t| s.0.distance_squared(s.1).total_cmp(&t.0.distance_squared(t.1)));
-    let (a, b, c) = longest.unwrap_or((a, b, c));
-    let middle = (a + b) * 0.5;
-    [[a, middle, c], [middle, b, c]]
 }
 
 /// Random points of the triangles, in proportion to their areas.

@@ -1,4 +1,4 @@
-//! Measures the fit of convex parts, and verifies files against their sources.
+//! The judge: verifies files against their sources.
 //!
 //! | module | concept |
 //! |---|---|
@@ -10,7 +10,7 @@
 //! | [`outside`] | simplified hulls: how far they extend beyond their source |
 //! | [`fit`], [`soup`] | cover and protrusion of parts, by samples of the surface |
 //! | [`mass`], `primitive` | recorded mass, voids and primitives |
-//! | [`part`], [`measure`], [`estimates`], [`parts`] | parts of a mesh: made, measured, judged |
+//! | [`parts`] | whether an engine can use the parts of a mesh |
 //! | [`geometry`] | vertices and faces of a hull as lists |
 //! | [`random`] | seeded directions and points |
 //!
@@ -19,17 +19,14 @@
 #![forbid(unsafe_code)]
 
 pub mod directions;
-pub mod estimates;
 pub mod fit;
 pub mod geometry;
 pub mod height_field;
 pub mod index;
 mod joints;
 pub mod mass;
-pub mod measure;
 pub mod outside;
 pub mod pack;
-pub mod part;
 pub mod parts;
 mod primitive;
 pub mod random;

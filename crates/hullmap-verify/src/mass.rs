@@ -3,12 +3,11 @@
 
 use glam::{DMat3, DVec3};
 use hullmap::Hull;
-use hullmap_bake::PointSet;
 use hullmap_bake::fit::VoidsShare;
 use hullmap_bake::mass::Mass;
+use hullmap_geometry::PointSet;
 
-use crate::part::diagonal;
-use hullmap_bake::number::rounded;
+use hullmap_geometry::number::rounded;
 
 /// Difference that rounding may explain, relative to the volume and to the mesh's diagonal.
 const ROUNDING: f64 = 1e-9;
@@ -21,7 +20,7 @@ pub fn problem(first: &Hull, mesh: &PointSet, computed: Option<&Mass>) -> Option
     let Some(computed) = computed else {
         return Some(format!("it records the mass of {name}, which bounds no solid that can be measured"));
     };
-    let size = diagonal(mesh);
+    let size = mesh.diagonal();
     let (found, claimed) = (computed.volume, recorded.mass);
     let room = ROUNDING * found;
     // Written so that NaN is a problem, here and below.

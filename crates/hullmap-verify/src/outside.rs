@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::support::REGRET_LIMIT;
 use crate::truth::{Points, dot};
-use hullmap_bake::number::rounded;
+use hullmap_geometry::number::rounded;
 
 /// Difference between the supports of a hull and its source, over all tested directions; lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]

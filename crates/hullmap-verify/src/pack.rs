@@ -18,26 +18,26 @@ use hullmap::{Cost, Hull, Pack, SolidKind};
 use hullmap_bake::advice::usability::{Flaw, thickness};
 use hullmap_bake::decompose::Cover;
 use hullmap_bake::fit::mesh_mass;
-use hullmap_bake::number::short;
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{NO_SOURCE_VERTEX, PointSet};
+use hullmap_geometry::number::short;
 use serde::Serialize;
 
 use crate::directions::directions;
-use crate::estimates::PartsEstimates;
 use crate::fit::{Judge, Witness};
 use crate::geometry::polygons;
 use crate::index;
 use crate::joints;
 use crate::mass;
-use crate::measure::{solid_of, stand_for_one};
 use crate::outside::measure_outside;
-use crate::part::{Part, parts};
 use crate::parts::{PartsFindings, findings};
 use crate::primitive;
 use crate::support::{Measurement, REGRET_LIMIT, measure};
 use crate::truth::Points;
-use hullmap_bake::number::rounded;
+use hullmap_bake::parts::cut::{Part, parts};
+use hullmap_bake::parts::estimates::PartsEstimates;
+use hullmap_bake::parts::measure::{solid_of, stand_for_one};
+use hullmap_geometry::number::rounded;
 
 /// Result of a part that fits its mesh within its recorded bounds.
 pub const WITHIN_BOUNDS: &str = "within its bounds";

@@ -6,10 +6,9 @@ use hullmap_bake::advice::usability::{Doubt, ObjectMeasures, PartMeasures, doubt
 use hullmap_bake::decompose::Cover;
 use hullmap_bake::{PointSet, hull};
 
-use crate::estimates::PartsEstimates;
 use crate::geometry::rebuilt;
-use crate::measure::solid_of;
-use crate::part::diagonal;
+use hullmap_bake::parts::estimates::PartsEstimates;
+use hullmap_bake::parts::measure::solid_of;
 
 /// Findings about the parts of one object.
 #[derive(Debug, Default)]
@@ -53,7 +52,7 @@ pub fn findings(
         .collect();
     let object = ObjectMeasures {
         name: mesh.map_or_else(|| names[0].rsplit_once("_part_").map_or(names[0], |(name, _)| name), |mesh| &mesh.name),
-        diagonal: mesh.map_or_else(|| around(hulls), diagonal),
+        diagonal: mesh.map_or_else(|| around(hulls), PointSet::diagonal),
         solid: first.solid(),
         uncovered: first.uncovered().unwrap_or(0.0),
         overlap: estimates.overlap,

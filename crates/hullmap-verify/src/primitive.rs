@@ -1,13 +1,12 @@
 //! Verification of the primitive that may replace a part.
 
 use hullmap::{Hull, Replacement};
-use hullmap_bake::PointSet;
 use hullmap_bake::primitive::{Primitive, around::surface_points, contained};
+use hullmap_geometry::PointSet;
 
 use crate::fit::{Judge, Witness};
 use crate::geometry::rebuilt;
-use crate::part::diagonal;
-use hullmap_bake::number::rounded;
+use hullmap_geometry::number::rounded;
 
 /// Distance by which rounding may move a point of the surface, relative to the diagonal.
 const ROUNDING: f64 = 1e-9;
@@ -20,7 +19,7 @@ pub fn problem(hull: &Hull, mesh: &PointSet, judge: &Judge) -> Option<String> {
     let Some(part) = rebuilt(hull) else {
         return Some(format!("its {kind} stands for a part that cannot be built again"));
     };
-    let size = diagonal(mesh);
+    let size = mesh.diagonal();
     let uncovered = hull.uncovered().unwrap_or(0.0);
     let outside = contained(mesh, &part, uncovered, size).into_iter().find(|p| !primitive.holds(*p, ROUNDING * size));
     if let Some(p) = outside {

@@ -4,7 +4,6 @@
 //! numbers use another tree of boxes and the sum of all solid angles.
 //!
 //! # Reference
-//! - Ericson, "Real-Time Collision Detection", 2005, section 5.1.5: closest point on a triangle.
 //! - Möller, Trumbore, "Fast, minimum storage ray-triangle intersection", 1997.
 //! - Van Oosterom, Strackee, "The solid angle of a plane triangle", 1983.
 
@@ -12,10 +11,8 @@ use std::collections::HashSet;
 
 use glam::DVec3;
 use hullmap_bake::fit::{Solid, SolidKind};
+use hullmap_geometry::triangle::{Triangle, nearest};
 use rayon::prelude::*;
-
-/// Corners of a triangle.
-pub type Triangle = [DVec3; 3];
 
 const LEAF: usize = 4;
 
@@ -116,7 +113,7 @@ impl TriangleSoup {
                 continue;
             }
             for (triangle, is_mesh) in self.run(node) {
-                let distance = closest(triangle, p).distance(p);
+                let distance = nearest(triangle, p).distance(p);
                 if (*is_mesh || !is_mesh_only) && best.is_none_or(|(least, _)| distance < least) {
                     best = Some((distance, *triangle));
                 }
@@ -176,38 +173,6 @@ fn to_box(node: &Node, p: DVec3) -> f64 {
     (node.low - p).max(p - node.high).max(DVec3::ZERO).length()
 }
 
-/// The point of a triangle that is closest to `p`.
-pub fn closest(&[a, b, c]: &Triangle, p: DVec3) -> DVec3 {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return a;
-    }
-    let bp = p - b;
-    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
-    if d3 >= 0.0 && d4 <= d3 {
-        return b;
-    }
-    let cp = p - c;
-    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
-    if d6 >= 0.0 && d5 <= d6 {
-        return c;
-    }
-    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return a + ab * (d1 / (d1 - d3));
-    }
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return a + ac * (d2 / (d2 - d6));
-    }
-    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
-    }
-    let sum = va + vb + vc;
-    // A triangle without area has been handled by its edges, except for rounding.
-    if sum > 0.0 { a + ab * (vb / sum) + ac * (vc / sum) } else { a }
-}
-
 /// Solid angle of a triangle seen from the origin, signed by its orientation.
 fn solid_angle([a, b, c]: Triangle) -> f64 {
     let [la, lb, lc] = [a.length(), b.length(), c.length()];
@@ -235,7 +200,7 @@ fn crossing(&[a, b, c]: &Triangle, p: DVec3, direction: DVec3) -> i32 {
 mod tests {
     use super::*;
     use crate::random::SplitMix;
-    use hullmap_bake::PointSet;
+    use hullmap_geometry::PointSet;
 
     /// Two boxes; the second has no lid.
     fn boxes() -> PointSet {

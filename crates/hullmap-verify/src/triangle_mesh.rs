@@ -15,14 +15,14 @@ use std::collections::HashMap;
 use glam::DVec3;
 use hullmap::shapes::Sphere;
 use hullmap::{Cache, CastSettings, EdgeClass, Pose, Ray, Settings, TriangleMesh, VertexClass};
-use hullmap_bake::PointSet;
+use hullmap_geometry::PointSet;
 use hullmap_import::{Materials, Polygons};
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::joints::{AimedRay, exact_middle};
 use crate::random::SplitMix;
-use crate::soup::closest;
+use hullmap_geometry::triangle::nearest;
 
 /// Maximum number of tests of a triangle, by rays and by points, which take seconds. A large mesh
 /// gets fewer rays and points, but at least [`LEAST`].
@@ -443,7 +443,7 @@ fn is_near_line(origin: DVec3, direction: DVec3, [a, b, c]: &[DVec3; 3], scale: 
     let height = (*b - *a).cross(*c - *a).length() / from.distance(to).max(f64::MIN_POSITIVE);
     // Project along the ray, which becomes a point.
     let [p, from, to] = [origin, from, to].map(|x| x - along * x.dot(along));
-    closest(&[from, to, to], p).distance(p) <= height + GRAZE * scale
+    nearest(&[from, to, to], p).distance(p) <= height + GRAZE * scale
 }
 
 /// Step 3.
@@ -466,7 +466,7 @@ fn compare_points(
         .collect();
     let judge = |point: &DVec3| {
         let least =
-            triangles.iter().map(|triangle| closest(triangle, *point).distance(*point)).fold(f64::INFINITY, f64::min);
+            triangles.iter().map(|triangle| nearest(triangle, *point).distance(*point)).fold(f64::INFINITY, f64::min);
         let (Ok(pose), Ok(dot)) = (Pose::from_translation(*point), Sphere::new(0.0)) else {
             return (f64::NAN, f64::NAN, false);
         };

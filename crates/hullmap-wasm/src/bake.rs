@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use hullmap_cli::{BakedPack, InMemoryError, Stage, bake_arrays, bake_source};
 use hullmap_import::{Imported, MeshArrays, Polygons, SourceFile};
+use hullmap_pipeline::{BakedPack, InMemoryError, Stage, bake_arrays, bake_source};
 use wasm_bindgen::prelude::*;
 
 use crate::object::{error, rows_of};

@@ -127,7 +127,7 @@ pub fn in_javascript(message: &str, is_about_options: bool) -> String {
     if is_about_options {
         return camel_case(message);
     }
-    hullmap_cli::without_flags(message, camel_case)
+    hullmap_pipeline::without_flags(message, camel_case)
 }
 
 /// `maxVertices` of `max_vertices`.

@@ -225,7 +225,7 @@ fn text_is_printed_by_one_file() {
         }
     }
     let mut files = Vec::new();
-    for folder in ["crates/hullmap-cli/src", "crates/hullmap-report/src", "crates/hullmap-import/src"] {
+    for folder in ["cli", "pipeline", "report", "import"].map(|name| format!("crates/hullmap-{name}/src")) {
         search(&workspace().join(folder), &mut files);
     }
     let exits =

@@ -4,10 +4,8 @@
 use hullmap_format::SolidKind;
 
 use super::{COVERED, FAR, Remark, beyond};
-use crate::{
-    decompose::Cover,
-    number::{percent, short},
-};
+use crate::decompose::Cover;
+use hullmap_geometry::number::{percent, short};
 
 /// Thickness, relative to the object's diagonal, below which bodies pass through a part. For a body
 /// of 1 m, Rapier lets resting bodies overlap by 1 mm, and Jolt by 20 mm.

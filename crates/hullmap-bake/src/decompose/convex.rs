@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use crate::{PointSet, hull::Hull, simplify::nearest::Nearest};
+use crate::{hull::Hull, simplify::nearest::Nearest};
+use hullmap_geometry::PointSet;
 
 /// Maximum distance of a convex mesh's triangle behind its hull's surface, relative to the
 /// diameter. It covers rounding to f32 far from the origin.

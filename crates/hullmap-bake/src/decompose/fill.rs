@@ -111,7 +111,7 @@ impl Filling<'_, '_> {
     fn absorb(&self, hulls: &mut [Hull], left: Vec<Remnant>, room: f64) -> Left {
         let mut rest = Left::default();
         let mut of_parts: Vec<Left> = hulls.iter().map(|_| Left::default()).collect();
-        let planes: Vec<_> = hulls.iter().map(crate::fit::planes::half_spaces).collect();
+        let planes: Vec<_> = hulls.iter().map(Hull::half_spaces).collect();
         let outside = |part: usize, piece: &Remnant| {
             let middle = piece.body.middle();
             planes[part].iter().map(|plane| plane.height(middle)).fold(f64::NEG_INFINITY, f64::max)

@@ -17,12 +17,8 @@ use super::{
     },
     rest,
 };
-use crate::{
-    PointSet,
-    fit::{planes::HalfSpace, triangle::Triangle, uncovered_triangles},
-    hull::Hull,
-    symmetry::Mirror,
-};
+use crate::{fit::uncovered_triangles, hull::Hull, symmetry::Mirror};
+use hullmap_geometry::{PointSet, planes::HalfSpace, triangle::Triangle};
 
 /// Distance from the parts up to which the surface counts as covered, relative to the diagonal.
 pub const COVERED: f64 = 1e-7;

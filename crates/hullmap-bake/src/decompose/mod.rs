@@ -40,13 +40,14 @@ use partition::{HARD_SHARE, few, field::Field, wrap::HullLimits};
 use search::SymmetrySearch;
 
 use crate::{
-    BakeError, PointSet,
     deadline::{Deadline, Reserve},
+    error::BakeError,
     fit::{Solid, SolidKind},
     hull::{self, Hull},
     progress::Stage,
     simplify,
 };
+use hullmap_geometry::PointSet;
 
 /// Time that a decomposition leaves for measuring its parts.
 const MEASURING: Reserve = Reserve { share: 0.2, seconds: 4.0 };

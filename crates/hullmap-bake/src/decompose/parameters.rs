@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use crate::{
+use crate::fit::{reach::with_unreachable, solid::Solid};
+use hullmap_geometry::{
     PointSet,
-    fit::{reach::with_unreachable, solid::Solid},
     number::{percent, short},
 };
 

@@ -1,9 +1,8 @@
 //! A convex part as a point set of its mesh: corners keep their source indices.
 
-use crate::{
-    NO_SOURCE_VERTEX, PointSet,
-    hull::{self, Hull},
-};
+use crate::hull::{self, Hull};
+use hullmap_format::archive::NO_SOURCE_VERTEX;
+use hullmap_geometry::PointSet;
 
 /// Maximum number of times that a part is built again because it lost vertices.
 pub const BUILDS: usize = 4;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::fit::planes::{self, HalfSpace};
+use hullmap_geometry::planes::{self, HalfSpace};
 
 #[derive(Clone, Debug)]
 pub struct Patch {

@@ -9,13 +9,11 @@
 use std::collections::BTreeMap;
 
 use crate::{
-    fit::{
-        triangle::Triangle,
-        triangle_tree::{Bounds, TriangleTree},
-    },
+    fit::triangle_tree::{Bounds, TriangleTree},
     hull::Hull,
     simplify::nearest::Nearest,
 };
+use hullmap_geometry::triangle::Triangle;
 
 /// The triangles nearest to each part, by its index. Without parts, part 0 gets them all.
 pub fn by_part(parts: &[&Hull], triangles: &[Triangle]) -> BTreeMap<usize, Vec<Triangle>> {

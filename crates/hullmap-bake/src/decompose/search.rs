@@ -18,13 +18,13 @@ use super::{
     partition::{Part, surface::Surface},
 };
 use crate::{
-    PointSet,
     deadline::Deadline,
     fit::{solid::Solid, uncovered_triangles},
     hull::Hull,
     progress::Stage,
     symmetry::{self, Mirror},
 };
+use hullmap_geometry::PointSet;
 
 /// Protrusion of other parts at which they replace symmetric ones, relative to the protrusion of
 /// the latter, with a maximum number of parts.

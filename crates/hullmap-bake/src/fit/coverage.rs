@@ -22,15 +22,17 @@ use rayon::prelude::*;
 
 use super::{
     branch::{Accuracy, Maximum, Measured, maximum},
-    planes::{self, HalfSpace},
-    triangle::{self, Triangle},
     triangle_tree::{Bounds, TriangleTree},
 };
 use crate::{
-    PointSet,
     deadline::{Deadline, is_over},
     hull::Hull,
     simplify::nearest::Nearest,
+};
+use hullmap_geometry::PointSet;
+use hullmap_geometry::{
+    planes::{self, HalfSpace},
+    triangle::{self, Triangle},
 };
 
 /// How far a mesh's surface lies outside its parts.
@@ -162,7 +164,7 @@ struct PartShape {
 impl PartShape {
     fn new(hull: &Hull) -> Self {
         let is_solid = hull.rank == 3;
-        let planes = if is_solid { planes::half_spaces(hull) } else { Vec::new() };
+        let planes = if is_solid { hull.half_spaces() } else { Vec::new() };
         Self { nearest: Nearest::new(hull), planes, is_solid }
     }
 

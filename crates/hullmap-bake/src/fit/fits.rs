@@ -4,7 +4,8 @@ use hullmap_format::SolidKind;
 use rayon::prelude::*;
 
 use super::{Accuracy, Solid, coverage::uncovered_until, protrusion};
-use crate::{PointSet, deadline::Deadline, hull::Hull};
+use crate::{deadline::Deadline, hull::Hull};
+use hullmap_geometry::PointSet;
 
 /// Proven bounds on how a convex part fits its mesh, in the unit of the positions.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,12 +9,12 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{
-    Solid, planes,
+    Solid,
     region::Region,
-    triangle::Triangle,
     triangle_tree::{Bounds, TriangleTree},
 };
 use crate::{hull::Hull, mass::mass, simplify::nearest::Nearest, spread::spread};
+use hullmap_geometry::{planes, triangle::Triangle};
 
 /// How loose the parts of a mesh are. Lengths are in the unit of the positions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -210,7 +210,8 @@ mod tests {
     use shapes::concave;
 
     use super::*;
-    use crate::{PointSet, hull};
+    use crate::hull;
+    use hullmap_geometry::PointSet;
 
     fn block(low: [f32; 3], high: [f32; 3]) -> Hull {
         let corner = |i: usize| std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });

@@ -27,15 +27,15 @@ use rayon::prelude::*;
 use super::{
     closing,
     solid::{MERGE_DISTANCE, ROUNDING, SHEET, merge_open, merged},
-    triangle::{self, Triangle},
     triangle_tree::TriangleTree,
     winding::ClosedSurface,
 };
 use crate::{
-    PointSet,
     mass::{Mass, Simplices, entries, outer},
     spread::spread,
 };
+use hullmap_geometry::PointSet;
+use hullmap_geometry::triangle::{self, Triangle};
 
 /// Grid cells along each edge of the mesh's box to find overlaps: smaller ones may be missed.
 const SEARCHED_CELLS: usize = 16;

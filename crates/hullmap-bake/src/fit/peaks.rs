@@ -15,11 +15,10 @@ use glam::DVec3;
 
 use super::{
     branch::LOOK,
-    planes::HalfSpace,
     solid::{Near, Solid},
-    triangle,
 };
 use crate::deadline::{Deadline, is_over};
+use hullmap_geometry::{planes::HalfSpace, triangle};
 
 /// Number of planes that are tried between a box and what is near.
 const TURNS: usize = 4;

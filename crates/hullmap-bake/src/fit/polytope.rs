@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::planes::{self, HalfSpace};
 use crate::hull::polygon;
+use hullmap_geometry::planes::{self, HalfSpace};
 
 /// A convex polytope: its faces, each with its corners in order around it, in either direction.
 #[derive(Clone, Debug, PartialEq)]

@@ -27,12 +27,14 @@ use glam::DVec3;
 use super::{
     branch::{Accuracy, Maximum, Measured, maximum},
     peaks::{self, Peaks},
-    planes::{self, HalfSpace},
     sides::{Polygon, are_sides_inside},
     solid::Solid,
-    triangle::{self, Triangle},
 };
 use crate::hull::Hull;
+use hullmap_geometry::{
+    planes::{self, HalfSpace},
+    triangle::{self, Triangle},
+};
 
 /// How far a part protrudes from a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -327,7 +329,7 @@ fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum, pea
     if boxes.is_empty() {
         return surface;
     }
-    let planes = planes::half_spaces(part);
+    let planes = part.half_spaces();
     let depth = enough - surface.bound;
     let deep = deep_polygons(solid, &planes, [low, high], depth);
     let search = CavitySearch { solid, surface: &surface, enough, depth, planes, deep };

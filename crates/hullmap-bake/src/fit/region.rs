@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::planes::{self, HalfSpace};
 use crate::hull::Hull;
+use hullmap_geometry::planes::HalfSpace;
 
 /// The points of a solid hull.
 pub struct Region {
@@ -17,7 +17,7 @@ impl Region {
     pub fn new(hull: &Hull) -> Self {
         let points = hull.positions();
         Self {
-            planes: planes::half_spaces(hull),
+            planes: hull.half_spaces(),
             low: points.iter().copied().fold(DVec3::INFINITY, DVec3::min),
             high: points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max),
         }

@@ -17,8 +17,9 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Solid, planes::HalfSpace, polytope::Polytope, region::Region};
+use super::{Solid, polytope::Polytope, region::Region};
 use crate::hull::Hull;
+use hullmap_geometry::planes::HalfSpace;
 
 /// Distance by which the planes of parts are moved outward, relative to the diagonal. The parts
 /// contain the surface to within half of that.

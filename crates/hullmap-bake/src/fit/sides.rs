@@ -17,10 +17,10 @@
 
 use glam::DVec3;
 
-use super::{
+use super::winding::ClosedSurface;
+use hullmap_geometry::{
     planes::{self, HalfSpace},
     triangle::{self, Triangle},
-    winding::ClosedSurface,
 };
 
 /// Maximum number of polygons in a region. More are not tested.

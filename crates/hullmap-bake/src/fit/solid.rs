@@ -27,14 +27,15 @@ pub use hullmap_format::SolidKind;
 use rayon::prelude::*;
 
 use super::{
-    closing,
-    planes::HalfSpace,
-    sides,
-    triangle::{self, Triangle},
+    closing, sides,
     triangle_tree::{Bounds, TriangleTree},
     winding::{ClosedSurface, Doubt, RAYS, ray_direction},
 };
-use crate::PointSet;
+use hullmap_geometry::PointSet;
+use hullmap_geometry::{
+    planes::HalfSpace,
+    triangle::{self, Triangle},
+};
 
 /// Distance below which vertices of an open boundary are merged, relative to the diagonal.
 pub(super) const MERGE_DISTANCE: f64 = 1e-6;

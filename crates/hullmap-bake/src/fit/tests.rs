@@ -3,15 +3,16 @@
 use glam::DVec3;
 use shapes::{concave, rng::SplitMix64};
 
-use super::planes::HalfSpace;
 use super::sides::{Polygon, are_sides_inside};
 use super::*;
 use super::{peaks::Peaks, protrusion::protrusion_beside};
 use crate::{
-    PointSet,
     hull::{self, Hull},
     simplify::nearest::Nearest,
 };
+use hullmap_geometry::PointSet;
+use hullmap_geometry::planes::HalfSpace;
+use hullmap_geometry::triangle;
 
 fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> PointSet {
     PointSet {

@@ -18,7 +18,7 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 
-use super::triangle::Triangle;
+use hullmap_geometry::triangle::Triangle;
 
 const BINS: usize = 8;
 
@@ -276,7 +276,7 @@ mod tests {
     use shapes::rng::SplitMix64;
 
     use super::*;
-    use crate::fit::triangle;
+    use hullmap_geometry::triangle;
 
     fn triangles(count: usize, rng: &mut SplitMix64) -> Vec<Triangle> {
         let mut point = |size: f64| DVec3::from_array(rng.direction()) * size;

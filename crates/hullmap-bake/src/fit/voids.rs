@@ -153,7 +153,8 @@ mod tests {
     use shapes::concave;
 
     use super::*;
-    use crate::{PointSet, hull};
+    use crate::hull;
+    use hullmap_geometry::PointSet;
 
     fn hull_of(positions: Vec<[f32; 3]>) -> Hull {
         let source_vertices = (0..positions.len() as u32).collect();

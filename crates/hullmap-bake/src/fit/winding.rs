@@ -14,10 +14,10 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 
-use super::{
+use super::triangle_tree::{Bounds, TriangleTree};
+use hullmap_geometry::{
     planes::HalfSpace,
     triangle::{self, Triangle},
-    triangle_tree::{Bounds, TriangleTree},
 };
 
 /// Relative error up to which the side of an edge on which a ray passes is uncertain.

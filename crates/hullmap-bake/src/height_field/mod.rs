@@ -19,7 +19,7 @@ use hullmap_format::{
     scale::Scale,
 };
 
-use crate::{BakeError, SourceRecord, file, pack::options_text};
+use crate::{baked_hull::SourceRecord, error::BakeError, file, pack::options_text};
 
 /// Heights on a grid.
 #[derive(Clone, Copy, Debug)]

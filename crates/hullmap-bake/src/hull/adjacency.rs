@@ -89,7 +89,8 @@ mod tests {
     use shapes::families::Family;
 
     use super::*;
-    use crate::{PointSet, hull::build};
+    use crate::hull::build;
+    use hullmap_geometry::PointSet;
 
     fn agrees(positions: Vec<[f32; 3]>, name: &str) -> u32 {
         let source_vertices = (0..positions.len() as u32).collect();

@@ -1,4 +1,5 @@
 use glam::DVec3;
+use hullmap_geometry::planes::{HalfSpace, of_face};
 
 /// A certified convex hull.
 #[derive(Clone, Debug)]
@@ -24,6 +25,16 @@ impl Hull {
     /// Vertex positions in f64.
     pub fn positions(&self) -> Vec<DVec3> {
         self.vertices.iter().map(|v| DVec3::from_array(v.map(f64::from))).collect()
+    }
+
+    /// One half-space per face of a solid hull with area, each containing the whole face.
+    pub fn half_spaces(&self) -> Vec<HalfSpace> {
+        let positions = self.positions();
+        let of_face = |face: &Vec<u32>| {
+            let corners: Vec<DVec3> = face.iter().map(|v| positions[*v as usize]).collect();
+            Some(of_face(&corners, &positions)?.0)
+        };
+        self.faces.iter().filter_map(of_face).collect()
     }
 
     /// For each vertex, the vertices that share an edge with it, ascending.

@@ -12,43 +12,8 @@
 use glam::DVec3;
 
 use super::{Hull, area::area_vector, edges, polygon::side_normal};
-use crate::number::short;
-
-/// Why a hull fails its certificate.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[expect(missing_docs, reason = "the messages explain the fields")]
-pub enum CertificateError {
-    /// A source point is too far outside the hull.
-    #[error(
-        "a source point is {} of the diameter outside of the hull (at most {CONTAINMENT:e} is allowed)",
-        short(*error)
-    )]
-    Containment {
-        /// Distance relative to the diameter; NaN if unknown.
-        error: f64,
-    },
-    /// The faces do not form a closed, consistently oriented surface.
-    #[error(
-        "its faces are not a closed surface (V - E + F is {euler}; every edge must be in two faces, once in each direction)"
-    )]
-    Surface {
-        /// V − E + F; 2 for a polyhedron.
-        euler: i64,
-    },
-    /// A face is degenerate or faces inward.
-    #[error("face {face} is degenerate or faces inward")]
-    Inward { face: usize },
-}
-
-/// Maximum distance of a source point from the hull, relative to the hull's diameter.
-pub const CONTAINMENT: f64 = 1e-7;
-
-/// A half-space that contains the hull: n·x ≤ offset. The normal n has unit length.
-#[derive(Clone, Copy)]
-struct HalfSpace {
-    normal: DVec3,
-    offset: f64,
-}
+use crate::error::{CONTAINMENT, CertificateError};
+use hullmap_geometry::planes::HalfSpace;
 
 /// Checks `hull` against `points` and returns its containment error, relative to its diameter.
 ///
@@ -294,7 +259,8 @@ impl OutsideSearch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{PointSet, hull::build};
+    use crate::hull::build;
+    use hullmap_geometry::PointSet;
     use shapes::families::Family;
 
     fn cube() -> (Hull, Vec<DVec3>) {

@@ -16,9 +16,11 @@ pub mod rank;
 
 use glam::DVec3;
 
-use crate::{BakeError, NO_SOURCE_VERTEX, PointSet};
+use crate::error::BakeError;
 pub use boundary::Hull;
 pub(crate) use boundary::edges;
+use hullmap_format::archive::NO_SOURCE_VERTEX;
+use hullmap_geometry::{MAX_POINTS, PointSet};
 use rank::Simplex;
 
 /// The hull of points that are not source vertices; `None` if it cannot be built.
@@ -30,7 +32,7 @@ pub(crate) fn of_positions(positions: Vec<[f32; 3]>) -> Option<Hull> {
 /// Builds and certifies the hull of `points`.
 ///
 /// # Errors
-/// No points, more than [`MAX_POINTS`](crate::MAX_POINTS) points, a position that is not finite, or
+/// No points, more than [`MAX_POINTS`] points, a position that is not finite, or
 /// a hull that fails certification.
 ///
 /// # Complexity
@@ -84,7 +86,7 @@ pub fn build(points: &PointSet) -> Result<Hull, BakeError> {
 /// Maximum distance of a point of `points` outside `hull`, relative to its diameter.
 ///
 /// # Errors
-/// The distance exceeds [`certify::CONTAINMENT`], or `points` is not valid input for [`build`].
+/// The distance exceeds [`CONTAINMENT`](crate::CONTAINMENT), or `points` is not valid input for [`build`].
 pub fn containment_error(hull: &Hull, points: &PointSet) -> Result<f64, BakeError> {
     let positions: Vec<DVec3> = distinct(points)?.iter().map(|(p, _)| DVec3::from_array(p.map(f64::from))).collect();
     Ok(certify::certify(hull, &positions)?)
@@ -103,7 +105,7 @@ fn distinct(points: &PointSet) -> Result<Vec<([f32; 3], u32)>, BakeError> {
     if points.positions.is_empty() {
         return Err(BakeError::Empty);
     }
-    if points.positions.len() > crate::MAX_POINTS {
+    if points.positions.len() > MAX_POINTS {
         return Err(BakeError::TooManyPoints { found: points.positions.len() });
     }
     let mut all: Vec<([f32; 3], u32)> = Vec::with_capacity(points.positions.len());

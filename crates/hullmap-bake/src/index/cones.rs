@@ -3,6 +3,7 @@
 
 use glam::DVec3;
 use hullmap_format::cube::{self, CELL_SLACK};
+use hullmap_geometry::planes::{between, clip};
 
 use crate::gauss_map::GaussMap;
 
@@ -217,35 +218,11 @@ fn size(polygon: &[[f64; 2]]) -> f64 {
 /// Appends the part of a convex polygon on one side of a line (`sign` 1: in front, −1: behind),
 /// including the overlap.
 pub fn cut(polygon: &[[f64; 2]], line: Line, sign: f64, out: &mut Vec<[f64; 2]>) {
-    let Some(last) = polygon.last() else { return };
     let overlap = line.overlap.max(0.0);
-    let height = |p: [f64; 2]| sign * line.height(p) + overlap;
-    let (mut p, mut p_height) = (*last, height(*last));
-    for &q in polygon {
-        let q_height = height(q);
-        if (p_height < 0.0) != (q_height < 0.0) {
-            let t = p_height / (p_height - q_height);
-            out.push([p[0] + (q[0] - p[0]) * t, p[1] + (q[1] - p[1]) * t]);
-        }
-        if q_height >= 0.0 {
-            out.push(q);
-        }
-        (p, p_height) = (q, q_height);
-    }
+    clip(polygon, |p| sign * line.height(p) + overlap, between, out);
 }
 
 fn clip_rays(polygon: &[DVec3], plane: DVec3, out: &mut Vec<DVec3>) {
     out.clear();
-    let Some(&last) = polygon.last() else { return };
-    let (mut p, mut p_height) = (last, plane.dot(last));
-    for &q in polygon {
-        let q_height = plane.dot(q);
-        if (p_height < 0.0) != (q_height < 0.0) {
-            out.push(p + (q - p) * (p_height / (p_height - q_height)));
-        }
-        if q_height >= 0.0 {
-            out.push(q);
-        }
-        (p, p_height) = (q, q_height);
-    }
+    clip(polygon, |p| plane.dot(p), |p, q, share| p + (q - p) * share, out);
 }

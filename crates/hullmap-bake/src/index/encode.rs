@@ -16,7 +16,7 @@ use hullmap_format::{
 };
 
 use super::{fan::Frame, subdivide::Tree};
-use crate::BakeError;
+use crate::error::BakeError;
 
 /// Minimum fraction of distinct slots in a branch, which gets the most bits that satisfy it. A
 /// greater fraction means fewer bits: more hops and fewer bytes.

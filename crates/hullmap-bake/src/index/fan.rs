@@ -247,11 +247,11 @@ mod tests {
 
     use super::*;
     use crate::{
-        PointSet,
         gauss_map::GaussMap,
         hull,
         index::subdivide::{Cuts, Tree, subdivide},
     };
+    use hullmap_geometry::PointSet;
 
     /// Angles of a polygon in the face z = 1 around the z axis, which meets the face at its centre.
     fn around_z(polygon: &[[f64; 2]]) -> Option<[f64; 2]> {

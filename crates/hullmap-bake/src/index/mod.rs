@@ -24,7 +24,7 @@ use hullmap_format::{
 };
 use rayon::prelude::*;
 
-use crate::{BakeError, gauss_map::GaussMap, hull::Hull};
+use crate::{error::BakeError, gauss_map::GaussMap, hull::Hull};
 use certify::{Proof, Unproven};
 use encode::Encoded;
 use subdivide::{Cuts, Tree};
@@ -166,7 +166,8 @@ fn finish(hull: &Hull, kind: IndexKind, roots: &[Tree]) -> Result<Index, BakeErr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{PointSet, hull};
+    use crate::hull;
+    use hullmap_geometry::PointSet;
 
     #[test]
     fn the_binary_tree_has_no_fans() {

@@ -6,7 +6,8 @@ use glam::DVec3;
 use hullmap_format::PrimitiveKind;
 
 use super::shape::Primitive;
-use crate::{decompose::partition::wrap, fit::planes, hull::Hull};
+use crate::{decompose::partition::wrap, hull::Hull};
+use hullmap_geometry::planes;
 
 /// Numbers of sides around the axis of a round primitive.
 const SIDES: [usize; 2] = [8, 96];
@@ -22,7 +23,7 @@ pub fn polytope(primitive: &Primitive, excess: f64, diagonal: f64) -> Option<Hul
     let is_outside = |plane: &planes::HalfSpace| {
         primitive.reach(plane.normal) + plane.height(primitive.center) <= ROUNDING * diagonal
     };
-    planes::half_spaces(&hull).iter().all(is_outside).then_some(hull)
+    hull.half_spaces().iter().all(is_outside).then_some(hull)
 }
 
 /// Points whose hull contains a primitive.

@@ -26,12 +26,12 @@ use rayon::prelude::*;
 pub use shape::Primitive;
 
 use crate::{
-    PointSet,
     deadline::{Deadline, is_over},
     decompose::partition::body::Body,
-    fit::{Accuracy, Fit, Solid, planes, protrusion},
+    fit::{Accuracy, Fit, Solid, protrusion},
     hull::Hull,
 };
+use hullmap_geometry::{PointSet, planes};
 
 /// Distance by which primitives are larger than the smallest one around their points, relative to
 /// the diagonal: more than rounding to stored coordinates moves a point.
@@ -88,7 +88,7 @@ pub fn primitives(
 /// The corners of all pieces of the mesh's surface that are at most `uncovered` outside a part.
 pub fn contained(mesh: &PointSet, part: &Hull, uncovered: f64, diagonal: f64) -> Vec<DVec3> {
     let room = uncovered + MARGIN * diagonal;
-    let planes: Vec<_> = planes::half_spaces(part).into_iter().map(|plane| plane.moved(room)).collect();
+    let planes: Vec<_> = part.half_spaces().into_iter().map(|plane| plane.moved(room)).collect();
     let positions = part.positions();
     let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min) - room;
     let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) + room;

@@ -99,7 +99,7 @@ fn judged(name: &str, mesh: &PointSet, error: f64) -> Vec<Option<PrimitiveKind>>
     let late = PrimitiveLimits { deadline: Some(Deadline::after(0.0)), ..limits };
     assert!(primitives(&solid, mesh, &parts, &fits, &late).iter().all(Option::is_none), "{name}: after the deadline");
     let mut rng = SplitMix64::new(SEED);
-    let planes: Vec<_> = parts.iter().map(|part| planes::half_spaces(part)).collect();
+    let planes: Vec<_> = parts.iter().map(|part| part.half_spaces()).collect();
     let room = 1e-6 * diagonal;
     for _ in 0..POINTS {
         let triangle = &mesh.triangles[rng.below(mesh.triangles.len())];

@@ -29,12 +29,9 @@ use std::{
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{
-    half_spaces::{HalfSpace, nearest_to_origin, nearest_with_planes},
-    nearest::Nearest,
-    surface::Surface,
-    wrap::Wrapped,
-};
+use super::{nearest::Nearest, surface::Surface, wrap::Wrapped};
+use hullmap_geometry::planes::HalfSpace;
+use hullmap_geometry::quadratic_program::{nearest_to_origin, nearest_with_planes};
 
 /// Maximum number of alternating projections. After three, distances change by less than a tenth.
 const TURNS: usize = 3;
@@ -493,10 +490,10 @@ mod tests {
 
     use super::*;
     use crate::{
-        PointSet,
         hull::{self, Hull},
         simplify::wrap::wrap,
     };
+    use hullmap_geometry::PointSet;
 
     const FAMILIES: [Family; 6] =
         [Family::Sphere, Family::Rock, Family::Lens, Family::Needle, Family::Cone, Family::CubeGrid];

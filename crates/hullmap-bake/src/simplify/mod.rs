@@ -13,22 +13,21 @@
 use glam::DVec3;
 
 use crate::{
-    BakeError,
+    error::BakeError,
     hull::{self, Hull},
 };
 
 pub mod collapse;
-pub mod half_spaces;
-pub(crate) mod limit;
 pub mod nearest;
 pub mod polygon;
 mod rounding;
 pub mod surface;
 pub mod wrap;
 
+pub use crate::limit::{Limit, MIN_VERTICES};
 use collapse::Collapse;
-use half_spaces::{HalfSpace, nearest_to_origin};
-pub use limit::{Limit, MIN_VERTICES};
+use hullmap_geometry::planes::HalfSpace;
+use hullmap_geometry::quadratic_program::nearest_to_origin;
 use nearest::Nearest;
 pub use rounding::Simplified;
 use rounding::{MAX_TRIES, PUSH, ROUNDING};

@@ -525,7 +525,8 @@ mod tests {
     use shapes::{families::Family, rng::SplitMix64};
 
     use super::*;
-    use crate::{PointSet, hull};
+    use crate::hull;
+    use hullmap_geometry::PointSet;
 
     /// The point nearest to the origin in the plane or line of the corners, if between them.
     fn inside_face(corners: &[DVec3]) -> Option<DVec3> {

@@ -12,9 +12,9 @@ use std::{cmp::Reverse, collections::BinaryHeap};
 
 use glam::DVec3;
 
-use super::limit::Limit;
 use super::rounding::{MAX_TRIES, PUSH, ROUNDING, Simplified};
 use crate::hull::{self, Hull, area::area_vector};
+use crate::limit::Limit;
 
 const MIN_VERTICES: usize = 3;
 

@@ -3,7 +3,8 @@
 use shapes::{families::Family, rng::SplitMix64};
 
 use super::*;
-use crate::{NO_SOURCE_VERTEX, PointSet};
+use hullmap_format::archive::NO_SOURCE_VERTEX;
+use hullmap_geometry::PointSet;
 
 fn build(positions: Vec<[f32; 3]>) -> Hull {
     let source_vertices = (0..positions.len() as u32).collect();

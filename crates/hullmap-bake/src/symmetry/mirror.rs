@@ -4,7 +4,7 @@ use std::fmt;
 
 use glam::DVec3;
 
-use crate::{fit::planes::HalfSpace, number::short};
+use hullmap_geometry::{number::short, planes::HalfSpace};
 
 /// A plane of symmetry.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,10 +11,8 @@ use glam::DVec3;
 
 pub use mirror::Mirror;
 
-use crate::{
-    PointSet,
-    fit::{solid::Solid, triangle},
-};
+use crate::fit::solid::Solid;
+use hullmap_geometry::{PointSet, triangle};
 
 /// Maximum number of parts that are compared with each other where coordinates are rounded.
 const MAX_ROUNDED: usize = 1024;

@@ -22,7 +22,7 @@ use std::collections::{HashMap, HashSet};
 use glam::DVec3;
 
 use super::mirror::Mirror;
-use crate::fit::planes::HalfSpace;
+use hullmap_geometry::planes::HalfSpace;
 
 /// Distance of matching points, relative to the diagonal: files of six digits have such errors.
 const MATCH: f64 = 1e-6;

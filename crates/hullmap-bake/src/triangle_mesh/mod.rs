@@ -26,7 +26,7 @@ use hullmap_format::{
     },
 };
 
-use crate::{BakeError, SourceRecord, file, pack::options_text};
+use crate::{baked_hull::SourceRecord, error::BakeError, file, pack::options_text};
 pub use t_junctions::{TJunctions, t_junctions};
 
 /// Triangles of a source, with the vertices that they index.

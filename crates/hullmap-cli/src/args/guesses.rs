@@ -7,10 +7,10 @@ use std::path::Path;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
-use crate::options::flag;
-use crate::options::removed::instead_of_option;
-use crate::options::table::OPTIONS;
-use crate::options::value::Syntax;
+use hullmap_pipeline::options::flag;
+use hullmap_pipeline::options::removed::instead_of_option;
+use hullmap_pipeline::options::table::OPTIONS;
+use hullmap_pipeline::options::value::Syntax;
 
 const SUBCOMMANDS: [(&[&str], &str); 11] = [
     (

@@ -4,12 +4,12 @@ use hullmap_bake::simplify::Limit;
 use hullmap_import::{ImportOptions, Split, UpAxis, Vertices};
 
 use super::*;
-use crate::options::BuildOptions;
+use hullmap_pipeline::options::BuildOptions;
 
 fn build(words: &str) -> Result<BuildOptions, i32> {
     let line = format!("bake build in.obj --out out {words}");
     match parse(line.split_whitespace()) {
-        Ok(Cli { command: Command::Build(args) }) => Ok(args.meshes.options.resolve()),
+        Ok(Cli { command: Command::Build(args) }) => Ok(args.meshes.options.0.resolve()),
         Ok(_) => unreachable!(),
         Err(error) => Err(error.exit_code()),
     }

@@ -4,10 +4,8 @@ use clap::builder::PossibleValuesParser;
 
 use super::limits::LimitArgs;
 use super::numbers::at_least_one;
-use crate::budget::NAMES;
-
-/// Directions tested on each hull by default.
-pub const DEFAULT_DIRECTIONS: usize = 10_000;
+use hullmap_pipeline::budget::NAMES;
+use hullmap_pipeline::content::DEFAULT_DIRECTIONS;
 
 #[derive(Debug, clap::Args)]
 pub struct VerifyArgs {

@@ -1,8 +1,8 @@
 //! `bake completions`: completion scripts for shells.
 
 use crate::args::{self, CompletionsArgs};
-use crate::outcome::{Exit, Failure, end};
 use crate::terminal::Output;
+use hullmap_pipeline::outcome::{Exit, Failure, end};
 
 pub fn run(args: &CompletionsArgs, program: &str, out: &mut Output) -> Result<Exit, Failure> {
     let program = program.rsplit(' ').next().unwrap_or(program);

@@ -4,26 +4,26 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use hullmap::Pack;
-use hullmap_bake::number::{percent, short};
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{PointSet, SolidKind, SourceRecord};
+use hullmap_geometry::number::{percent, short};
 use hullmap_import::{self as import, Imported, ReadError, UpAxis};
 use serde::Serialize;
 
 use crate::args::DecomposeArgs;
-use crate::baker::{BakedPack, bake_pack};
 use crate::interrupt;
-use crate::mesh_file::body::Body;
-use crate::mesh_file::{glb, obj, place};
-use crate::outcome::{Exit, Failure, end};
-use crate::pack_file::{folder_of, make_folder};
-use crate::runner::progress::Progress;
-use crate::runner::rows::Status;
-use crate::runner::schedule;
+use crate::progress::Progress;
 use crate::terminal::{self, Output};
-use hullmap_bake::number::grouped;
-use hullmap_verify::estimates::DecomposedObject;
-use hullmap_verify::part::diagonal;
+use hullmap_bake::parts::estimates::DecomposedObject;
+use hullmap_geometry::number::grouped;
+use hullmap_pipeline::baker::{BakedPack, bake_pack};
+use hullmap_pipeline::mesh_file::body::Body;
+use hullmap_pipeline::mesh_file::{glb, obj, place};
+use hullmap_pipeline::outcome::{Exit, Failure, end};
+use hullmap_pipeline::pack_file::{folder_of, make_folder};
+use hullmap_pipeline::runner::Observer;
+use hullmap_pipeline::runner::rows::Status;
+use hullmap_pipeline::runner::schedule;
 
 /// Share of the time after which the meshes are read.
 const READ: f64 = 0.05;
@@ -133,13 +133,12 @@ fn with_progress<T: Send>(
     let pool = pool.map_err(|error| Failure::usage(format!("cannot start threads: {error}")))?;
     let progress = Progress::new(args.quiet, 1, COST);
     let work = |index: usize| {
-        let done = progress.begin(index, args.input.display(), COST);
+        let done = progress.begin(index, &args.input, COST);
         let result = work(done.whole());
         progress.end(index, if result.is_ok() { Status::Baked } else { Status::Failed });
         result
     };
     let mut results = schedule::run_bounded(&pool, &[COST], COST, work, || progress.tick());
-    progress.finish();
     results.pop().unwrap_or_else(|| Err(Failure::usage("no thread did the work".to_owned())))
 }
 
@@ -179,7 +178,7 @@ fn describe(meshes: &[PointSet], pack: &Pack, bodies: &[Body], objects: &[Decomp
             parts: own.len(),
             vertices: bodies.iter().map(|body| body.positions.len()).sum(),
             triangles: bodies.iter().map(|body| body.triangles().count()).sum(),
-            diagonal: diagonal(mesh),
+            diagonal: mesh.diagonal(),
             solid: first.and_then(|hull| hull.solid()).map(SolidKind::as_str),
             uncovered: first.and_then(|hull| hull.uncovered()),
             protrusion: own.iter().map(|hull| hull.protrusion()).reduce(|a, b| Some(a?.max(b?))).flatten(),

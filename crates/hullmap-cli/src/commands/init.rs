@@ -3,11 +3,11 @@
 use std::io;
 
 use crate::args::InitArgs;
-use crate::config::FILE_NAME;
-use crate::options::template;
-use crate::outcome::{Exit, Failure, end};
-use crate::pack_file::{put_in_free_place, write_beside};
 use crate::terminal::Output;
+use hullmap_pipeline::config::FILE_NAME;
+use hullmap_pipeline::options::template;
+use hullmap_pipeline::outcome::{Exit, Failure, end};
+use hullmap_pipeline::pack_file::{put_in_free_place, write_beside};
 
 pub fn run(args: &InitArgs, out: &mut Output) -> Result<Exit, Failure> {
     let path = args.folder.join(FILE_NAME);

@@ -6,11 +6,12 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::args::KeyArgs;
-use crate::jobs::key::KeyInputs;
-use crate::jobs::{Job, Messages, jobs};
-use crate::options::RecordSource;
-use crate::outcome::{Exit, Failure, end};
+use crate::rows::jobs_of_folders;
 use crate::terminal::{self, Output};
+use hullmap_pipeline::jobs::Job;
+use hullmap_pipeline::jobs::key::KeyInputs;
+use hullmap_pipeline::options::RecordSource;
+use hullmap_pipeline::outcome::{Exit, Failure, end};
 
 const AT_ONCE: usize = 1024;
 
@@ -26,7 +27,7 @@ struct Row<'a> {
 pub fn run(args: &KeyArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (project, limits) = (Path::new("."), args.meshes.limits.limits());
     let out_folder = args.out.as_deref().unwrap_or(Path::new(""));
-    let (mut jobs, mut exit) = jobs(&args.meshes, out_folder, Messages::Warnings)?.report_empty();
+    let (mut jobs, mut exit) = jobs_of_folders(&args.meshes, out_folder)?;
     if args.out.is_none() {
         jobs.iter_mut().for_each(lie_beside_the_mesh);
     }

@@ -4,14 +4,14 @@ use hullmap::{Asset, Hull, Pose};
 use serde::Serialize;
 
 use crate::args::{Mode, QueryArgs};
-use crate::open::{noun, open_asset};
-use crate::outcome::{Exit, Failure};
 use crate::pair::{PairAnswer, PairSolver, Side};
 use crate::pose::{parse_pose, read_poses};
 use crate::selection::Selection;
 use crate::table::{Align, Table, or_dash};
 use crate::terminal::Output;
-use hullmap_bake::number::rounded;
+use hullmap_geometry::number::rounded;
+use hullmap_pipeline::open::{noun, open_asset};
+use hullmap_pipeline::outcome::{Exit, Failure};
 
 /// A line of JSON, or a row of the table.
 #[derive(Debug, Serialize)]

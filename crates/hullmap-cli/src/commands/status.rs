@@ -13,12 +13,13 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::args::StatusArgs;
-use crate::jobs::shard::shard_of;
-use crate::jobs::{Job, Messages, jobs};
-use crate::outcome::{Exit, Failure, end};
+use crate::rows::jobs_of_folders;
 use crate::table::{Align, Table, or_dash};
 use crate::terminal::Output;
-use hullmap_bake::number::grouped;
+use hullmap_geometry::number::grouped;
+use hullmap_pipeline::jobs::Job;
+use hullmap_pipeline::jobs::shard::shard_of;
+use hullmap_pipeline::outcome::{Exit, Failure, end};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -41,7 +42,7 @@ struct Row {
 }
 
 pub fn run(args: &StatusArgs, out: &mut Output) -> Result<Exit, Failure> {
-    let (jobs, exit) = jobs(&args.meshes, &args.out, Messages::Warnings)?.report_empty();
+    let (jobs, exit) = jobs_of_folders(&args.meshes, &args.out)?;
     let rows: Vec<Row> = jobs.par_iter().map(|job| row(job, args.shards)).collect();
     let is_complete = rows.iter().all(|row| row.status == State::Present);
     let exit = exit.max(if is_complete { Exit::Done } else { Exit::Rejected });

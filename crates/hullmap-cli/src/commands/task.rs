@@ -5,17 +5,17 @@ use std::path::{Path, PathBuf};
 use hullmap_import::open_regular;
 
 use crate::args::TaskArgs;
-use crate::baker::bake_pack;
 use crate::interrupt;
-use crate::jobs::Job;
-use crate::jobs::task::{Task, read_task};
-use crate::outcome::{Exit, Failure, end};
-use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, write_beside};
-use crate::runner::cache::Cache;
-use crate::runner::one::Build;
-use crate::runner::rows::Row;
-use crate::runner::{self, print_messages, write_rows};
+use crate::rows::{print_messages, run_jobs, write_rows};
 use crate::terminal::Output;
+use hullmap_pipeline::baker::bake_pack;
+use hullmap_pipeline::jobs::Job;
+use hullmap_pipeline::jobs::task::{Task, read_task};
+use hullmap_pipeline::outcome::{Exit, Failure, end};
+use hullmap_pipeline::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, write_beside};
+use hullmap_pipeline::runner::cache::Cache;
+use hullmap_pipeline::runner::one::Build;
+use hullmap_pipeline::runner::rows::Row;
 
 pub fn run(args: &TaskArgs, out: &mut Output) -> Result<Exit, Failure> {
     interrupt::catch();
@@ -88,7 +88,7 @@ fn bake(args: &TaskArgs, cache: Option<&Cache>, out: &Path, jobs: &[Job]) -> Res
         baker: &bake_pack,
     };
     let jobs: Vec<&Job> = jobs.iter().collect();
-    runner::run(&jobs, &build, &args.run)
+    run_jobs(&jobs, &build, &args.run)
 }
 
 fn write_results(path: &Path, rows: &[Row]) -> Result<(), Failure> {

@@ -31,8 +31,8 @@ use serde_json::value::RawValue;
 
 use super::container::GltfFile;
 use super::edit::{Edits, Members, elements, members};
-use crate::mesh_file::body::{Body, BodyPrimitive};
-use crate::mesh_file::glb::bounds;
+use hullmap_pipeline::mesh_file::body::{Body, BodyPrimitive};
+use hullmap_pipeline::mesh_file::glb::bounds;
 
 const KHR_BODY: &str = "KHR_physics_rigid_bodies";
 const OMI_BODY: &str = "OMI_physics_body";

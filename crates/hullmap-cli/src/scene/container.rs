@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::mesh_file::glb_chunks::{self, BIN, JSON};
+use hullmap_pipeline::mesh_file::glb_chunks::{self, BIN, JSON};
 
 pub struct GltfFile<'a> {
     pub text: Cow<'a, str>,

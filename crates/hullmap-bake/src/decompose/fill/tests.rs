@@ -8,10 +8,10 @@ use super::super::{
     tests::{point_set, turned},
 };
 use crate::{
-    PointSet,
     fit::{Solid, fits, remainder},
     hull::{self, Hull},
 };
+use hullmap_geometry::PointSet;
 
 const SEED: u64 = 41;
 

@@ -6,11 +6,11 @@
 use glam::DVec3;
 
 use super::extremes::Extremes;
-use crate::fit::planes::{self, HalfSpace};
 use crate::hull::{
     polygon, quickhull,
     rank::{Simplex, spanning_simplex},
 };
+use hullmap_geometry::planes::{self, HalfSpace};
 
 /// Thickness of flat trial bodies, relative to the diagonal.
 pub const THICKNESS: f64 = 2e-7;

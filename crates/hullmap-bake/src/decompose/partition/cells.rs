@@ -20,9 +20,9 @@ use super::body::{Body, THICKNESS};
 use super::field::Field;
 use super::wrap;
 use crate::decompose::patch::Patch;
-use crate::fit::planes::{self, HalfSpace};
 use crate::fit::triangle_tree::{Bounds, TriangleTree};
 use crate::hull;
+use hullmap_geometry::planes::{self, HalfSpace};
 
 /// Maximum number of cuts that lead to a cell.
 const MAX_DEPTH: u32 = 40;

@@ -23,7 +23,7 @@ use super::{
     sample::{far_apart, spread_points},
     surface::Surface,
 };
-use crate::fit::planes::HalfSpace;
+use hullmap_geometry::planes::HalfSpace;
 
 const POINTS: usize = 64;
 
@@ -166,7 +166,6 @@ mod tests {
 
     use super::*;
     use crate::{
-        PointSet,
         decompose::{
             partition::{PartitionLimits, cells::FacePlanes, piece::Atom, search, wrap::HullLimits},
             patch::Patch,
@@ -176,6 +175,7 @@ mod tests {
         progress::Stage,
         symmetry,
     };
+    use hullmap_geometry::PointSet;
 
     fn bounds(share: f64, solid: &Solid) -> HullLimits<'static> {
         let (diagonal, stage) = (solid.diagonal(), Stage::default());

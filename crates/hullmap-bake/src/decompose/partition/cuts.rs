@@ -10,7 +10,7 @@ use super::{
     context::PartitionSearch,
     piece::{Piece, Scale},
 };
-use crate::fit::planes::HalfSpace;
+use hullmap_geometry::planes::HalfSpace;
 
 /// Number of equal slabs between the candidates across a direction.
 const SLABS: usize = 12;

@@ -64,7 +64,8 @@ mod tests {
     use shapes::families::Family;
 
     use super::*;
-    use crate::{PointSet, outer::holds};
+    use crate::outer::holds;
+    use hullmap_geometry::PointSet;
 
     fn points(family: Family, count: usize, map: impl Fn([f32; 3]) -> [f32; 3]) -> Hull {
         let positions: Vec<[f32; 3]> = family.points(count, 3).into_iter().map(map).collect();

@@ -13,7 +13,8 @@ use std::collections::BinaryHeap;
 use glam::DVec3;
 
 use crate::deadline::Deadline;
-use crate::fit::{peaks::Peaks, solid::Solid, triangle};
+use crate::fit::{peaks::Peaks, solid::Solid};
+use hullmap_geometry::triangle;
 
 const VOXELS: usize = 48;
 

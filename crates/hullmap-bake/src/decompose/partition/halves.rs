@@ -14,7 +14,8 @@ use super::{
     piece::Piece,
     shape::Part,
 };
-use crate::{fit::planes::HalfSpace, symmetry::Mirror};
+use crate::symmetry::Mirror;
+use hullmap_geometry::planes::HalfSpace;
 
 /// A part, and whether it stands for its mirror image, too. Otherwise it is its own image.
 #[derive(Clone)]

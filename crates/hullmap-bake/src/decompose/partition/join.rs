@@ -13,7 +13,8 @@ use super::{
     piece::{Cloud, Piece},
     shape::Part,
 };
-use crate::{fit::planes::HalfSpace, spread::spread, symmetry::Mirror};
+use crate::{spread::spread, symmetry::Mirror};
+use hullmap_geometry::planes::HalfSpace;
 
 /// Number of points by which the common volume of two bodies is estimated.
 const COMMON_POINTS: usize = 512;

@@ -13,7 +13,7 @@ use super::{
     cuts::{directions, faces, range},
     piece::{Above, Piece},
 };
-use crate::fit::planes::HalfSpace;
+use hullmap_geometry::planes::HalfSpace;
 
 /// Number of positions along a direction.
 const POSITIONS: usize = 32;

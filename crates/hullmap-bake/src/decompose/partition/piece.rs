@@ -8,12 +8,10 @@ use super::body::{self, Body, Inner, MANY, ROUGH, THICKNESS};
 use super::extremes::Extremes;
 use crate::{
     decompose::patch::Patch,
-    fit::{
-        planes::{self, HalfSpace},
-        triangle_tree::{Bounds, TriangleTree},
-    },
+    fit::triangle_tree::{Bounds, TriangleTree},
     symmetry::Mirror,
 };
+use hullmap_geometry::planes::{self, HalfSpace};
 
 /// Distance from a plane up to which a point counts as on it, relative to the diagonal.
 pub const ON_PLANE: f64 = 1e-9;

@@ -1,6 +1,7 @@
 //! Points on the faces of a body, large faces first, and points spread over a surface.
 
 use glam::DVec3;
+use hullmap_geometry::triangle::halves;
 
 use super::body::Body;
 use crate::spread::spread;
@@ -26,7 +27,7 @@ pub fn face_points(body: &Body, count: usize, spacing: f64) -> Vec<DVec3> {
             }
             found.push((t[0] + t[1] + t[2]) / 3.0);
             if size(t) > enough {
-                next.extend(halves(*t).into_iter().flat_map(halves));
+                next.extend(halves(t).into_iter().flat_map(|half| halves(&half)));
             }
         }
         level = next;
@@ -50,20 +51,6 @@ pub fn far_apart(points: &[DVec3], count: usize) -> Vec<DVec3> {
         found.push(next);
     }
     found
-}
-
-fn halves([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 2] {
-    let (ab, bc, ca) = (a.distance_squared(b), b.distance_squared(c), c.distance_squared(a));
-    if ab >= bc && ab >= ca {
-        let m = (a + b) * 0.5;
-        [[a, m, c], [m, b, c]]
-    } else if bc >= ca {
-        let m = (b + c) * 0.5;
-        [[b, m, a], [m, c, a]]
-    } else {
-        let m = (c + a) * 0.5;
-        [[c, m, b], [m, a, b]]
-    }
 }
 
 /// About one point for each `area` of the triangles, each with the index of its triangle.

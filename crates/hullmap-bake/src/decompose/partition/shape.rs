@@ -23,10 +23,10 @@ use super::{
     wrap::{self, HullLimits},
 };
 use crate::{
-    fit::planes::{self, HalfSpace},
     hull::{self, Hull},
     simplify::{self, Limit},
 };
+use hullmap_geometry::planes::HalfSpace;
 
 /// Distance by which a simplified hull may exceed the tight one, relative to the limit.
 const LOOSE: f64 = 0.002;
@@ -237,7 +237,7 @@ impl Cuts<'_> {
 
     fn cut(&self, hull: Hull, wanted: impl Fn(&[DVec3]) -> Vec<HalfSpace>) -> Hull {
         let mut points = hull.positions();
-        let mut planes = planes::half_spaces(&hull);
+        let mut planes = hull.half_spaces();
         let mut missed: Vec<HalfSpace> = Vec::new();
         let start = planes.len();
         let middle = self.body.points.iter().sum::<DVec3>() / self.body.points.len().max(1) as f64;

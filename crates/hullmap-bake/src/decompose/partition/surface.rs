@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::piece::ON_PLANE;
-use crate::{PointSet, fit::planes, symmetry::Mirror};
+use crate::symmetry::Mirror;
+use hullmap_geometry::{PointSet, planes};
 
 /// Triangles, and where they are halved.
 pub struct Surface {

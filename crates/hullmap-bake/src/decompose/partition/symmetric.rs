@@ -11,11 +11,11 @@ use super::{
     wrap::{self, HullLimits},
 };
 use crate::{
-    fit::planes::{self, HalfSpace},
     hull::{self, Hull},
     mass,
     symmetry::Mirror,
 };
+use hullmap_geometry::planes::HalfSpace;
 
 /// Maximum growth of a hull for rounding, as a share of its size.
 const MAX_GROWTH: f64 = 1e-3;
@@ -59,7 +59,7 @@ pub fn grown(hull: &Hull, mirror: &Mirror, diagonal: f64) -> Option<Hull> {
     if hull.rank == 3 && mirror.plane.height(centre).abs() < hull.diameter * MAX_GROWTH {
         centre = mirror.foot(centre);
     }
-    let planes = planes::half_spaces(hull);
+    let planes = hull.half_spaces();
     let moved: Vec<HalfSpace> = planes.iter().map(|plane| plane.moved(room + wrap::ROUNDING * greatest)).collect();
     let rounded = |p: DVec3| p.as_vec3().to_array().map(|c| c + 0.0);
     if let Some(vertices) = wrap::polytope(&moved, centre, 2.0 * diagonal, 0.4 * room)

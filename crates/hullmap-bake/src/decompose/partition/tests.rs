@@ -4,7 +4,8 @@ use super::{body::Body, *};
 use crate::deadline::Deadline;
 use crate::decompose::{Cover, Length, decompose, tests::point_set};
 use crate::fit::{Accuracy, Solid, coverage::uncovered, protrusion};
-use crate::{PointSet, hull::Hull};
+use crate::hull::Hull;
+use hullmap_geometry::PointSet;
 
 fn limits(limit: f64, solid: &Solid) -> PartitionLimits<'static> {
     let (thickness, diagonal, stage) = (0.5 * limit, solid.diagonal(), Stage::default());

@@ -17,13 +17,14 @@ use super::few;
 use super::field::Field;
 use super::sample::face_points;
 use crate::deadline::{self, Deadline};
-use crate::fit::{branch::Accuracy, planes::HalfSpace, protrusion::protrusion_beside};
+use crate::fit::{branch::Accuracy, protrusion::protrusion_beside};
 use crate::hull::{
     self, Hull, quickhull,
     rank::{Simplex, spanning_simplex},
 };
 use crate::progress::Stage;
 use crate::simplify;
+use hullmap_geometry::planes::HalfSpace;
 
 const MAX_STEPS: usize = 200;
 

@@ -3,7 +3,8 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use super::mesh_mass;
-use crate::{PointSet, mass::Mass};
+use crate::mass::Mass;
+use hullmap_geometry::PointSet;
 
 fn mesh(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> PointSet {
     let source_vertices = (0..positions.len() as u32).collect();

@@ -27,8 +27,8 @@ mod shell;
 use glam::DVec3;
 
 use super::solid::Solid;
-use crate::PointSet;
 use grid::Grid;
+use hullmap_geometry::PointSet;
 
 /// Cells along the longest side of the grid, at first. A finer grid distinguishes narrower
 /// openings.

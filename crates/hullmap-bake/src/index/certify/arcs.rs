@@ -7,6 +7,7 @@
 
 use glam::DVec3;
 use hullmap_format::cube;
+use hullmap_geometry::planes::between;
 
 use crate::hull::{
     Hull,
@@ -38,10 +39,8 @@ impl Piece {
 
     pub fn clip(mut self, height: impl Fn([f64; 2]) -> f64) -> Option<Self> {
         let [from, to] = self.ends.map(height);
-        let at = |share: f64| {
-            let [p, q] = self.ends;
-            [p[0] + (q[0] - p[0]) * share, p[1] + (q[1] - p[1]) * share]
-        };
+        let [p, q] = self.ends;
+        let at = |share: f64| between(p, q, share);
         match (from >= 0.0, to >= 0.0) {
             (true, true) => {}
             (true, false) => self.ends[1] = at(from / (from - to)),

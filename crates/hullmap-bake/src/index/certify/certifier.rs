@@ -4,12 +4,13 @@ use glam::DVec3;
 use hullmap_format::{IndexKind, archive::LANES, node::Words};
 
 use super::arcs::Piece;
-use super::proof::{LIMIT, Proof, Unproven};
+use super::proof::Proof;
 use super::region::{self, Cell, Outline};
+use crate::error::{REGRET_LIMIT, Unproven};
 use crate::hull::Hull;
 
 /// Length from which a spike of a region beyond its core is treated as a sliver.
-const SPIKE: f64 = 0.1 * LIMIT;
+const SPIKE: f64 = 0.1 * REGRET_LIMIT;
 
 /// Maximum number of regions and pieces of arcs visited on a face of the cube, in multiples of the
 /// index's words, the blocks' lanes and the hull's edges together. Indices of all families visit at
@@ -94,7 +95,7 @@ impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {
             Some(part) => self.beyond_core(candidates, cell, part),
         };
         // NaN takes the failing branch.
-        if !(regret <= LIMIT) {
+        if !(regret <= REGRET_LIMIT) {
             return Err(Unproven::Thin { slot, bound: regret });
         }
         proof.regret = proof.regret.max(regret);
@@ -168,10 +169,10 @@ impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {
         let at_both: Vec<f64> = regrets[0].iter().zip(&regrets[1]).map(|(a, b)| a.max(*b)).collect();
         let [at_both, from, to] = [&at_both, &regrets[0], &regrets[1]].map(|regrets| least(regrets));
         let length = ends[0].distance(ends[1]);
-        if at_both <= 0.75 * LIMIT || from.max(to) > 0.75 * LIMIT {
+        if at_both <= 0.75 * REGRET_LIMIT || from.max(to) > 0.75 * REGRET_LIMIT {
             return at_both;
         }
-        if length <= 0.25 * LIMIT {
+        if length <= 0.25 * REGRET_LIMIT {
             return from.max(to) + length;
         }
         let middle = 0.5 * (ends[0] + ends[1]);

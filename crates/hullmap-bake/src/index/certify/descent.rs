@@ -17,8 +17,9 @@ use hullmap_format::{
 
 use super::arcs::Piece;
 use super::certifier::Certifier;
-use super::proof::{Proof, Unproven};
+use super::proof::Proof;
 use super::region::{Cell, Line, Margin, Turn, cube_slack};
+use crate::error::Unproven;
 
 /// Range of squared lengths of unit vectors, which the margins of [`super::region`] allow.
 const UNIT_SQ: std::ops::RangeInclusive<f64> = 0.999..=1.001;

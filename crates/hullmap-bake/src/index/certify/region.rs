@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use hullmap_format::cube;
+use hullmap_geometry::planes;
 
 /// How far beyond a cell arcs are followed. It is less than the margin by which the baker widens
 /// cells, so that its rounding error does not matter, and more than directions are misplaced.
@@ -116,19 +117,7 @@ impl Outline {
 
 fn clip(polygon: &[[f64; 2]], height: impl Fn([f64; 2]) -> f64) -> Polygon {
     let mut out = Polygon::with_capacity(polygon.len() + 1);
-    let Some(&last) = polygon.last() else { return out };
-    let (mut p, mut p_height) = (last, height(last));
-    for &q in polygon {
-        let q_height = height(q);
-        if (p_height >= 0.0) != (q_height >= 0.0) {
-            let share = p_height / (p_height - q_height);
-            out.push([p[0] + (q[0] - p[0]) * share, p[1] + (q[1] - p[1]) * share]);
-        }
-        if q_height >= 0.0 {
-            out.push(q);
-        }
-        (p, p_height) = (q, q_height);
-    }
+    planes::clip(polygon, height, planes::between, &mut out);
     out
 }
 

@@ -6,7 +6,8 @@ use hullmap_format::{
 use shapes::families;
 
 use super::*;
-use crate::{PointSet, hull, index};
+use crate::{hull, index};
+use hullmap_geometry::PointSet;
 
 fn rock() -> Hull {
     let positions = families::rock(300, 3);

@@ -5,17 +5,17 @@ use hullmap_import::unread_format;
 
 use super::orphans;
 use crate::args::BuildArgs;
-use crate::content::beside;
 use crate::depfile::{self, Rule};
-use crate::jobs::search::without_meshes;
-use crate::jobs::{Job, Jobs, Messages, jobs};
-use crate::outcome::{Exit, Failure, end};
-use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, sweep_below, write_beside};
-use crate::runner::cache::Cache;
-use crate::runner::one::{Baker, Build};
-use crate::runner::rows::{Row, Status};
-use crate::runner::{self, print_messages, write_rows};
+use crate::rows::{self, Messages, print_messages, run_jobs, write_rows};
 use crate::terminal::Output;
+use hullmap_pipeline::content::beside;
+use hullmap_pipeline::jobs::search::without_meshes;
+use hullmap_pipeline::jobs::{Job, Jobs};
+use hullmap_pipeline::outcome::{Exit, Failure, end};
+use hullmap_pipeline::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, sweep_below, write_beside};
+use hullmap_pipeline::runner::cache::Cache;
+use hullmap_pipeline::runner::one::{Baker, Build};
+use hullmap_pipeline::runner::rows::{Row, Status};
 
 pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut Output) -> Result<Exit, Failure> {
     let found = find_jobs(args, !args.run.quiet)?;
@@ -33,7 +33,7 @@ pub fn find_jobs(args: &BuildArgs, warns: bool) -> Result<Jobs, Failure> {
         (true, false) => Messages::Warnings,
         (true, true) => Messages::All,
     };
-    jobs(&args.meshes, &args.out, printed)
+    rows::find_jobs(&args.meshes, &args.out, printed)
 }
 
 pub fn build(
@@ -71,7 +71,7 @@ pub fn build(
         project,
         baker,
     };
-    let results = runner::run(&chosen, &build, &args.run)?;
+    let results = run_jobs(&chosen, &build, &args.run)?;
     let mut exit = results.iter().map(|(_, exit)| *exit).max().unwrap_or(Exit::Done);
     let mut rows: Vec<Row> = results.into_iter().map(|(row, _)| row).collect();
     for folder in empty {

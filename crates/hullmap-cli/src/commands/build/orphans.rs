@@ -4,13 +4,13 @@ use std::collections::{HashMap, HashSet};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use crate::jobs::pack_names::is_name_of;
-use crate::jobs::{Job, slashed};
-use crate::open::open_asset;
-use crate::pack_file::{canonical_of_gone, folder_of, plain, resolve_recorded, shown_from, walk};
-use crate::packs::{PackPlace, is_baked};
-use crate::project::{Found, Project};
-use crate::runner::rows::{Row, Status};
+use hullmap_pipeline::jobs::pack_names::is_name_of;
+use hullmap_pipeline::jobs::{Job, slashed};
+use hullmap_pipeline::open::open_asset;
+use hullmap_pipeline::pack_file::{canonical_of_gone, folder_of, plain, resolve_recorded, shown_from, walk};
+use hullmap_pipeline::packs::{PackPlace, is_baked};
+use hullmap_pipeline::project::{Found, Project};
+use hullmap_pipeline::runner::rows::{Row, Status};
 
 #[derive(Debug)]
 pub struct Orphan {

@@ -5,10 +5,10 @@ use hullmap_bake::{PointSet, SourceRecord};
 
 use super::once::run;
 use crate::args::{Command, parse};
-use crate::baker::BakedPack;
-use crate::options::BuildOptions;
-use crate::outcome::{Exit, Failure};
 use crate::terminal::Output;
+use hullmap_pipeline::baker::BakedPack;
+use hullmap_pipeline::options::BuildOptions;
+use hullmap_pipeline::outcome::{Exit, Failure};
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 

@@ -10,16 +10,16 @@ use notify::{Event, RecommendedWatcher, RecursiveMode, Watcher};
 
 use super::once::{build, find_jobs};
 use crate::args::BuildArgs;
-use crate::config::FILE_NAME;
 use crate::interrupt;
-use crate::jobs::Job;
-use crate::outcome::{Exit, Failure};
-use crate::pack_file::{canonical_of_gone, folder_of};
-use crate::packs::is_baked;
-use crate::runner::one::Baker;
 use crate::terminal::{self, Output};
 use hullmap_import::height_field::is_grid;
 use hullmap_import::{is_buffer, is_source};
+use hullmap_pipeline::config::FILE_NAME;
+use hullmap_pipeline::jobs::Job;
+use hullmap_pipeline::outcome::{Exit, Failure};
+use hullmap_pipeline::pack_file::{canonical_of_gone, folder_of};
+use hullmap_pipeline::packs::is_baked;
+use hullmap_pipeline::runner::one::Baker;
 
 /// A change is processed after this much quiet time, because editors save in several steps.
 const QUIET: Duration = Duration::from_millis(200);

@@ -21,7 +21,7 @@ use hullmap::PrimitiveKind;
 use hullmap_robot::escaped;
 
 use crate::args::export::Target;
-use crate::mesh_file::body::{BodyPrimitive, Inertial};
+use hullmap_pipeline::mesh_file::body::{BodyPrimitive, Inertial};
 
 #[derive(Clone, Debug)]
 pub enum Geometry {

@@ -18,16 +18,16 @@ use hullmap_import::{
 use serde::Deserialize;
 
 use crate::args::export::{ExportArgs, Target};
-use crate::mesh_file::body::{Body, DENSITY};
-use crate::mesh_file::names::{self, NAMES_IN_MESSAGE};
-use crate::mesh_file::obj;
-use crate::options::BuildOptions;
-use crate::outcome::Failure;
-use crate::pack_file::folder_of;
-use crate::principal_axes::principal_axes;
 use crate::scene::colliders::{self, Collider, Form, Motion};
 use crate::scene::container::GltfFile;
 use crate::terminal;
+use hullmap_pipeline::mesh_file::body::{Body, DENSITY};
+use hullmap_pipeline::mesh_file::names::{self, NAMES_IN_MESSAGE};
+use hullmap_pipeline::mesh_file::obj;
+use hullmap_pipeline::options::BuildOptions;
+use hullmap_pipeline::outcome::Failure;
+use hullmap_pipeline::pack_file::folder_of;
+use hullmap_pipeline::principal_axes::principal_axes;
 
 pub struct Added<'a> {
     pub args: &'a ExportArgs,

@@ -9,10 +9,10 @@ use hullmap_import::UpAxis;
 
 use super::{Export, ExportedFile};
 use crate::args::export::Format;
-use crate::mesh_file::body::{Body, rotated};
-use crate::mesh_file::{glb, obj, stl};
-use crate::open::noun;
-use crate::outcome::Failure;
+use hullmap_pipeline::mesh_file::body::{Body, rotated};
+use hullmap_pipeline::mesh_file::{glb, obj, stl};
+use hullmap_pipeline::open::noun;
+use hullmap_pipeline::outcome::Failure;
 
 const UNUSED: u32 = u32::MAX;
 

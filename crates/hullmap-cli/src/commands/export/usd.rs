@@ -12,14 +12,14 @@ use hullmap_format::header::FileKind;
 use super::{DENSITY, ExportedFile, leave_out, selected, summary};
 use crate::args::export::{ExportArgs, Format};
 use crate::args::usd::StageUp;
-use crate::mesh_file::names;
-use crate::mesh_file::place;
-use crate::mesh_file::usda::{UsdGroup, UsdLayer, UsdMass, identifier, write};
-use crate::open::{noun, open_pack};
-use crate::outcome::{Exit, Failure, end};
-use crate::pack_file::{folder_of, make_folder, sweep};
-use crate::packs::{PackPlace, find_packs, is_baked, kind_by_name};
 use crate::terminal::{self, Output};
+use hullmap_pipeline::mesh_file::names;
+use hullmap_pipeline::mesh_file::place;
+use hullmap_pipeline::mesh_file::usda::{UsdGroup, UsdLayer, UsdMass, identifier, write};
+use hullmap_pipeline::open::{noun, open_pack};
+use hullmap_pipeline::outcome::{Exit, Failure, end};
+use hullmap_pipeline::pack_file::{folder_of, make_folder, sweep};
+use hullmap_pipeline::packs::{PackPlace, find_packs, is_baked, kind_by_name};
 
 const EXTENSION: &str = "usda";
 

@@ -3,20 +3,20 @@
 mod surface;
 
 use hullmap::{Asset, Hull, IndexKind, Pack, SolidKind};
-use hullmap_bake::number::{percent, short};
+use hullmap_geometry::number::{percent, short};
 use hullmap_import::UpAxis;
 use serde::Serialize;
 
 use crate::args::InspectArgs;
-use crate::mesh_file::body::BodyPrimitive;
-use crate::open::{kept_warnings, open_asset};
-use crate::options::BuildOptions;
-use crate::outcome::{Exit, Failure};
-use crate::packs::find_packs;
 use crate::table::shortest;
 use crate::terminal::{self, Output};
-use hullmap_bake::number::{grouped, rounded};
-use hullmap_verify::estimates::MirrorPlane;
+use hullmap_bake::parts::estimates::MirrorPlane;
+use hullmap_geometry::number::{grouped, rounded};
+use hullmap_pipeline::mesh_file::body::BodyPrimitive;
+use hullmap_pipeline::open::{kept_warnings, open_asset};
+use hullmap_pipeline::options::BuildOptions;
+use hullmap_pipeline::outcome::{Exit, Failure};
+use hullmap_pipeline::packs::find_packs;
 use hullmap_verify::geometry::{polygons, positions, rank_name};
 use surface::{Surface, SurfaceDescription};
 

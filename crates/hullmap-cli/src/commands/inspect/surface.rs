@@ -6,13 +6,13 @@ use hullmap::height_field::Layout;
 use hullmap::{Asset, EdgeClass, HeightField, TriangleMesh};
 use serde::Serialize;
 
-use crate::open::kept_warnings;
-use crate::options::BuildOptions;
-use crate::outcome::Failure;
 use crate::table::shortest;
 use crate::terminal::Output;
-use crate::triangle_mesh::{EdgeCounts, MeshSummary, t_junctions_of};
-use hullmap_bake::number::grouped;
+use hullmap_geometry::number::grouped;
+use hullmap_pipeline::open::kept_warnings;
+use hullmap_pipeline::options::BuildOptions;
+use hullmap_pipeline::outcome::Failure;
+use hullmap_pipeline::triangle_mesh::{EdgeCounts, MeshSummary, t_junctions_of};
 
 const MATERIALS_IN_TEXT: usize = 8;
 

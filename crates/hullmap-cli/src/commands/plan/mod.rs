@@ -9,16 +9,17 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use crate::args::{Emit, PlanArgs};
-use crate::jobs::batch::{BatchSize, batches};
-use crate::jobs::key::KeyInputs;
-use crate::jobs::task::{Task, TaskMesh};
-use crate::jobs::{Job, Messages, jobs};
-use crate::outcome::{Exit, Failure, end};
+use crate::rows::jobs_of_folders;
 use crate::terminal::{self, Output};
+use hullmap_pipeline::jobs::Job;
+use hullmap_pipeline::jobs::batch::{BatchSize, batches};
+use hullmap_pipeline::jobs::key::KeyInputs;
+use hullmap_pipeline::jobs::task::{Task, TaskMesh};
+use hullmap_pipeline::outcome::{Exit, Failure, end};
 
 /// A mesh that cannot be read, or whose path cannot be written, is reported and left out.
 pub fn run(args: &PlanArgs, out: &mut Output) -> Result<Exit, Failure> {
-    let (jobs, mut exit) = jobs(&args.meshes, &args.out, Messages::Warnings)?.report_empty();
+    let (jobs, mut exit) = jobs_of_folders(&args.meshes, &args.out)?;
     let sizes: Vec<u64> = jobs.par_iter().map(Job::source_bytes).collect();
     let meshes: Vec<(&str, u64)> = jobs.iter().map(|job| job.place.as_str()).zip(sizes).collect();
     let size = BatchSize { meshes: args.batch, bytes: args.batch_bytes.unwrap_or(BatchSize::default().bytes) };

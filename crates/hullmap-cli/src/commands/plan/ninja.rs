@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use crate::jobs::task::Task;
+use hullmap_pipeline::jobs::task::Task;
 
 /// Start of the file. `restat`: `bake` does not touch packs that are fresh.
 pub const HEAD: &str = "\

@@ -19,13 +19,15 @@ use hullmap_format::header::FileKind;
 use hullmap_report::{Card, folder_page};
 
 use crate::args::ReportArgs;
-use crate::jobs::slashed;
-use crate::outcome::{Exit, Failure, end};
-use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, sweep, through_link, write_beside};
-use crate::packs::{PackPlace, find_packs, kind_by_name};
-use crate::source::{Folders, given_sources};
 use crate::terminal::{self, Output};
-use hullmap_bake::number::grouped;
+use hullmap_geometry::number::grouped;
+use hullmap_pipeline::jobs::slashed;
+use hullmap_pipeline::outcome::{Exit, Failure, end};
+use hullmap_pipeline::pack_file::{
+    folder_of, link_below, make_folder, put_in_place, sweep, through_link, write_beside,
+};
+use hullmap_pipeline::packs::{PackPlace, find_packs, kind_by_name};
+use hullmap_pipeline::source::{Folders, given_sources};
 use input::{Analysed, analyse_file};
 use shards::ShardCards;
 

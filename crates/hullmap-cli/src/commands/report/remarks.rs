@@ -6,8 +6,8 @@ use hullmap_bake::advice::{self, HullMeasures, PartsFit, Remark};
 use hullmap_bake::decompose::Length;
 use hullmap_report::input::Remarks;
 
-use crate::options::BuildOptions;
-use crate::source::Source;
+use hullmap_pipeline::options::BuildOptions;
+use hullmap_pipeline::source::Source;
 
 /// Remarks about the import and the hulls. Without a source, hulls are checked for far coordinates.
 pub fn remarks(pack: &Pack, kept: Vec<String>, source: Option<&Source>) -> Remarks {

@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use hullmap_report::Card;
 use serde::{Deserialize, Serialize};
 
-use crate::jobs::shard::{Shard, shard_of};
-use crate::outcome::Failure;
+use hullmap_pipeline::jobs::shard::{Shard, shard_of};
+use hullmap_pipeline::outcome::Failure;
 
 /// Maximum size of a shard's cards in bytes: about a hundred thousand packs.
 const MAX_BYTES: u64 = 1 << 30;

@@ -3,9 +3,9 @@ use std::path::Path;
 use hullmap::Asset;
 
 use crate::args::ReportArgs;
-use crate::outcome::{Exit, Failure};
-use crate::packs::PackPlace;
-use crate::source::{Folders, Recorded, Source, SourceSearch, find_source};
+use hullmap_pipeline::outcome::{Exit, Failure};
+use hullmap_pipeline::packs::PackPlace;
+use hullmap_pipeline::source::{Folders, Recorded, Source, SourceSearch, find_source};
 
 pub struct Sought {
     pub source: Option<Source>,

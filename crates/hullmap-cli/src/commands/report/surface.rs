@@ -7,12 +7,12 @@ use hullmap_report::surface::{Checks, SurfaceInput, SurfaceReport};
 
 use super::sought::source_name;
 use crate::args::ReportArgs;
-use crate::content::{Verified, verify};
-use crate::open::kept_warnings;
-use crate::options::BuildOptions;
-use crate::packs::PackPlace;
-use crate::source::Source;
-use crate::triangle_mesh::{MeshSummary, t_junctions_of};
+use hullmap_pipeline::content::{Verified, verify};
+use hullmap_pipeline::open::kept_warnings;
+use hullmap_pipeline::options::BuildOptions;
+use hullmap_pipeline::packs::PackPlace;
+use hullmap_pipeline::source::Source;
+use hullmap_pipeline::triangle_mesh::{MeshSummary, t_junctions_of};
 
 /// Faults are part of the report.
 pub fn analyse_surface(

@@ -6,14 +6,14 @@ use hullmap_robot::{Description, Format, Geometry, Link, MeshUse, Shape, Submesh
 use super::files::starts_with;
 use super::target::Target;
 use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs, reason_of_robots};
-use crate::config::{Chosen, Configs};
-use crate::jobs::Job;
-use crate::jobs::pack_names::PackName;
-use crate::mesh_file::{names::token, obj};
-use crate::options::OptionLayer;
-use crate::options::table::position;
-use crate::options::value::Value;
-use crate::outcome::Failure;
+use hullmap_pipeline::config::{Chosen, Configs};
+use hullmap_pipeline::jobs::Job;
+use hullmap_pipeline::jobs::pack_names::PackName;
+use hullmap_pipeline::mesh_file::{names::token, obj};
+use hullmap_pipeline::options::OptionLayer;
+use hullmap_pipeline::options::table::position;
+use hullmap_pipeline::options::value::Value;
+use hullmap_pipeline::outcome::Failure;
 
 /// Options that are lengths of the robot, in metres.
 const LENGTHS: [&str; 3] = ["max_error", "min_thickness", "reachable"];
@@ -147,7 +147,7 @@ impl Chooser<'_> {
         if is_own(file) {
             return Ok(Choice::Kept("it is a hull of bake already".to_owned()));
         }
-        let mut layer = self.args.options.laid_over(&layer);
+        let mut layer = self.args.options.0.laid_over(&layer);
         for key in DECIDED_BY_ROBOTS {
             let Some(at) = position(key).filter(|at| layer.value_at(*at).is_some()) else { continue };
             let file = config.as_deref().unwrap_or(Path::new("--config")).display();
@@ -211,7 +211,7 @@ fn has_hulls(link: &Link) -> bool {
     })
 }
 
-fn matches(glob: &crate::glob::Glob, link: &str) -> bool {
+fn matches(glob: &hullmap_pipeline::glob::Glob, link: &str) -> bool {
     glob.matches(Some(Path::new(link)), Path::new(link))
 }
 

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use hullmap_import::open_regular;
 
-use crate::mesh_file::obj;
-use crate::outcome::Failure;
-use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, through_link, write_beside};
+use hullmap_pipeline::mesh_file::obj;
+use hullmap_pipeline::outcome::Failure;
+use hullmap_pipeline::pack_file::{folder_of, link_below, make_folder, put_in_place, through_link, write_beside};
 
 #[derive(Debug)]
 pub struct Output {

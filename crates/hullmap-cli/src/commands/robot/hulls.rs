@@ -10,10 +10,10 @@ use hullmap_robot::Submesh;
 use super::choice::HullsOf;
 use super::files::Output;
 use super::meshes::Meshes;
-use crate::jobs::Job;
-use crate::mesh_file::{body::Body, obj};
-use crate::open::open_pack;
-use crate::outcome::Failure;
+use hullmap_pipeline::jobs::Job;
+use hullmap_pipeline::mesh_file::{body::Body, obj};
+use hullmap_pipeline::open::open_pack;
+use hullmap_pipeline::outcome::Failure;
 use hullmap_verify::geometry::positions;
 
 pub struct Hulls {

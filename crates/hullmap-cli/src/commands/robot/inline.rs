@@ -6,8 +6,8 @@ use hullmap_robot::{Description, Geometry, Unresolved};
 
 use super::files::Output;
 use super::target::Target;
-use crate::mesh_file::names::token;
-use crate::mesh_file::obj;
+use hullmap_pipeline::mesh_file::names::token;
+use hullmap_pipeline::mesh_file::obj;
 
 /// Afterwards, each mesh of the description leads to its file.
 pub fn extract(description: &mut Description, target: &Target) -> Vec<Output> {
@@ -23,7 +23,10 @@ pub fn extract(description: &mut Description, target: &Target) -> Vec<Output> {
             let free =
                 std::iter::once(format!("{stem}_inline.obj")).chain(numbered).find(|name| taken.insert(name.clone()));
             let path = target.meshes.join(free.unwrap_or_default());
-            outputs.push(Output { path: path.clone(), bytes: obj::write_inline(own) });
+            outputs.push(Output {
+                path: path.clone(),
+                bytes: obj::write_inline(&own.name, &own.vertices, &own.triangles),
+            });
             path
         });
         mesh.file = Ok(path.clone());

@@ -13,8 +13,8 @@ use hullmap_planning::{MeshPoints, hull_of, imported, read_file};
 use hullmap_report::DisplayMesh;
 use hullmap_robot::{MeshUse, Submesh};
 
-use crate::pack_file::shown_from;
 use crate::source_mesh::display_mesh;
+use hullmap_pipeline::pack_file::shown_from;
 
 pub struct Mesh {
     pub display: DisplayMesh,

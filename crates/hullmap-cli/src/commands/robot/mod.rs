@@ -3,7 +3,7 @@
 //! 1. `hullmap_robot` reads each description, and finds its meshes.
 //! 2. [`choice`] decides what happens to each collision. Equal meshes with equal options are one
 //!    job, whatever their scales: the description keeps its scales.
-//! 3. [`runner`](crate::runner) bakes the jobs of all descriptions, as `bake build` does.
+//! 3. [`runner`](hullmap_pipeline::runner) bakes the jobs of all descriptions, as `bake build` does.
 //! 4. The hulls are written as OBJ files beside the packs, and the description last, so that it
 //!    never names a file that does not exist.
 //!
@@ -33,21 +33,21 @@ use hullmap_robot::{
 };
 
 use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs, reason_of_robots};
-use crate::baker::bake_pack;
-use crate::config::Configs;
 use crate::interrupt;
-use crate::jobs::Job;
-use crate::options::flag;
-use crate::outcome::{Exit, Failure, end};
-use crate::pack_file::{folder_of, plain, shown_from, sweep};
-use crate::packs::PackPlace;
-use crate::project::Project;
-use crate::runner;
-use crate::runner::one::Build;
-use crate::runner::rows as build_rows;
+use crate::rows::run_jobs;
 use crate::terminal::Output;
 use choice::{Choice, Choices, Chooser};
 use files::State;
+use hullmap_pipeline::baker::bake_pack;
+use hullmap_pipeline::config::Configs;
+use hullmap_pipeline::jobs::Job;
+use hullmap_pipeline::options::flag;
+use hullmap_pipeline::outcome::{Exit, Failure, end};
+use hullmap_pipeline::pack_file::{folder_of, plain, shown_from, sweep};
+use hullmap_pipeline::packs::PackPlace;
+use hullmap_pipeline::project::Project;
+use hullmap_pipeline::runner::one::Build;
+use hullmap_pipeline::runner::rows as build_rows;
 use hulls::{Fault, Hulls, read_hulls};
 use meshes::Meshes;
 use pairs::{Pairs, Sampling};
@@ -124,7 +124,7 @@ fn millis(start: Instant) -> f64 {
 }
 
 fn check_flags(args: &RobotArgs) -> Result<(), Failure> {
-    if let Some(key) = DECIDED_BY_ROBOTS.iter().find(|key| args.options.get(key).is_some()) {
+    if let Some(key) = DECIDED_BY_ROBOTS.iter().find(|key| args.options.0.get(key).is_some()) {
         let (flag, reason) = (flag(key), reason_of_robots(key));
         let message = format!("--{flag} has no effect on robots, {reason}; remove it");
         return Err(Failure::usage(message));
@@ -173,7 +173,7 @@ fn prepare(args: &RobotArgs, input: &Path, configs: &mut Configs) -> Result<Robo
         return Err(std::mem::take(&mut choices.errors).into_iter().map(Failure::rejected).collect());
     }
     let resolved = choices.jobs.iter().map(|job| &job.options);
-    let unused = args.options.without_effect(resolved).filter(|_| !choices.jobs.is_empty());
+    let unused = args.options.0.without_effect(resolved).filter(|_| !choices.jobs.is_empty());
     if let Some(unused) = unused {
         return Err(one(Failure::usage(unused.message(|key| format!("--{}", flag(key))))));
     }
@@ -214,7 +214,7 @@ fn bake(args: &RobotArgs, robots: &[Prepared], project: &Path) -> Result<Vec<(bu
         project,
         baker: &bake_pack,
     };
-    runner::run(&jobs, &build, &args.run)
+    run_jobs(&jobs, &build, &args.run)
 }
 
 fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row: &mut Row) -> Result<Exit, Failure> {

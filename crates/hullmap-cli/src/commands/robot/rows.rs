@@ -2,9 +2,9 @@ use hullmap_report::robot::Excluded;
 use hullmap_robot::Description;
 use serde::Serialize;
 
-use crate::outcome::Failure;
 use crate::table::{Align, Table, or_dash};
 use crate::terminal::{self, Output};
+use hullmap_pipeline::outcome::Failure;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]

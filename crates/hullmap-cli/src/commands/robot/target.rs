@@ -5,8 +5,8 @@ use std::path::{Component, Path, PathBuf};
 use hullmap_robot::Description;
 
 use crate::args::RobotArgs;
-use crate::outcome::Failure;
-use crate::pack_file::{canonical_of_gone, folder_of, plain};
+use hullmap_pipeline::outcome::Failure;
+use hullmap_pipeline::pack_file::{canonical_of_gone, folder_of, plain};
 
 /// Extensions of descriptions: an `--out` with one of these is a file.
 const EXTENSIONS: [&str; 6] = ["urdf", "xml", "mjcf", "sdf", "world", "xacro"];

@@ -5,18 +5,18 @@ mod surfaces;
 use std::path::Path;
 
 use hullmap::{Asset, Pack};
-use hullmap_bake::number::{percent, short};
+use hullmap_geometry::number::{percent, short};
 
 use crate::args::verify::VerifyArgs;
-use crate::budget::{Figures, budget};
-use crate::content::{Verified, verify};
-use crate::open::open_asset;
-use crate::outcome::{Exit, Failure, end};
-use crate::packs::{PackPlace, find_packs};
-use crate::source::{Folders, Recorded, Source, SourceSearch, find_source, given_sources};
 use crate::table::{Align, Table, or_dash};
 use crate::terminal::{self, Output};
-use hullmap_bake::number::grouped;
+use hullmap_geometry::number::grouped;
+use hullmap_pipeline::budget::{Figures, budget};
+use hullmap_pipeline::content::{Verified, verify};
+use hullmap_pipeline::open::open_asset;
+use hullmap_pipeline::outcome::{Exit, Failure, end};
+use hullmap_pipeline::packs::{PackPlace, find_packs};
+use hullmap_pipeline::source::{Folders, Recorded, Source, SourceSearch, find_source, given_sources};
 use hullmap_verify::geometry::{polygons, positions};
 use hullmap_verify::pack::{BOUNDS_UNCHECKED, HullVerification, UNMEASURED, WITH_WARNINGS, WITHIN_BOUNDS};
 

@@ -1,7 +1,7 @@
-use crate::outcome::Failure;
 use crate::table::{Align, Table, or_dash};
 use crate::terminal::{self, Output};
-use hullmap_bake::number::grouped;
+use hullmap_geometry::number::grouped;
+use hullmap_pipeline::outcome::Failure;
 use hullmap_verify::triangle_mesh::SurfaceVerification;
 
 pub fn write_text(surfaces: &[SurfaceVerification], out: &mut Output) -> Result<(), Failure> {

@@ -18,6 +18,20 @@ impl Graph {
         }
     }
 
+    /// The graph of groups of files: the group of a file takes its place, and a file without a group
+    /// is left out.
+    pub fn grouped(&self, group: impl Fn(&Path) -> Option<PathBuf>) -> Self {
+        let mut grouped = Self::default();
+        for (user, used) in &self.0 {
+            for (used, names) in used {
+                if let (Some(user), Some(used)) = (group(user), group(used)) {
+                    names.iter().for_each(|name| grouped.add(&user, &used, name));
+                }
+            }
+        }
+        grouped
+    }
+
     pub fn edge_count(&self) -> usize {
         self.0.values().map(BTreeMap::len).sum()
     }

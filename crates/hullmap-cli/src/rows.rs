@@ -1,0 +1,233 @@
+//! Runs the jobs of a build with progress, and prints its messages and rows.
+
+use std::path::Path;
+
+use hullmap_geometry::number::grouped;
+use hullmap_pipeline::jobs::search::without_meshes;
+use hullmap_pipeline::jobs::{self, Job, Jobs, Message};
+use hullmap_pipeline::outcome::{Exit, Failure};
+use hullmap_pipeline::runner::one::Build;
+use hullmap_pipeline::runner::rows::{Origin, Row, Status};
+use hullmap_pipeline::runner::{self, Resources};
+
+use crate::args::{DEFAULT_MEMORY, MeshArgs, RunArgs};
+use crate::progress::Progress;
+use crate::table::{Align, Table, or_dash};
+use crate::terminal::{self, Output};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Messages {
+    Silent,
+    Warnings,
+    All,
+}
+
+/// The jobs of the meshes that arguments name.
+pub fn find_jobs(args: &MeshArgs, out: &Path, printed: Messages) -> Result<Jobs, Failure> {
+    jobs::jobs(&args.selection(), out, &mut |message| match message {
+        _ if printed == Messages::Silent => {}
+        Message::Warning(text) => terminal::warning(text),
+        Message::Detail(_) if printed != Messages::All => {}
+        Message::Note(text) | Message::Detail(text) => terminal::note(text),
+    })
+}
+
+/// As [`find_jobs`]; reports folders without meshes at once.
+pub fn jobs_of_folders(args: &MeshArgs, out: &Path) -> Result<(Vec<Job>, Exit), Failure> {
+    let Jobs { jobs, empty, .. } = find_jobs(args, out, Messages::Warnings)?;
+    empty.iter().for_each(|folder| terminal::error(without_meshes(folder)));
+    Ok((jobs, if empty.is_empty() { Exit::Done } else { Exit::Usage }))
+}
+
+pub fn run_jobs(jobs: &[&Job], build: &Build, args: &RunArgs) -> Result<Vec<(Row, Exit)>, Failure> {
+    let resources = Resources { threads: args.jobs, memory: args.memory.unwrap_or(DEFAULT_MEMORY) };
+    let results = runner::run(jobs, build, resources, |files, cost| Progress::new(args.quiet, files, cost))?;
+    if let Some(cache) = build.cache
+        && let Some(trouble) = cache.take_trouble()
+        && !args.quiet
+    {
+        terminal::warning(trouble);
+    }
+    Ok(results)
+}
+
+/// Prints messages in the order of the rows. `prunes`: orphans were to be removed.
+pub fn print_messages(rows: &[Row], is_quiet: bool, prunes: bool) {
+    for row in rows {
+        if !is_quiet {
+            if row.status == Status::Orphaned {
+                let remedy = match row.notes.first() {
+                    Some(kept) => format!(", but {kept}"),
+                    None if prunes => String::new(),
+                    None => " (--prune removes it)".to_owned(),
+                };
+                let reason = row.reason.as_deref().unwrap_or_default();
+                terminal::note(format_args!("{}: {reason}{remedy}", row.output));
+            }
+            for note in row.notes.iter().filter(|_| row.status != Status::Orphaned) {
+                terminal::note(format_args!("{}: {note}", row.source));
+            }
+            for warning in &row.warnings {
+                terminal::warning(format_args!("{}: {warning}", row.source));
+            }
+        }
+        if let Some(error) = &row.error {
+            terminal::error(error);
+        }
+    }
+}
+
+pub fn write_rows(rows: &[Row], args: &RunArgs, is_check: bool, out: &mut Output) -> Result<(), Failure> {
+    match (args.json, args.quiet) {
+        (true, _) => write_json(rows, out),
+        (false, true) => Ok(()),
+        (false, false) => write_table(rows, args.verbose, is_check, out),
+    }
+}
+
+/// Writes one JSON object per line.
+pub fn write_json(rows: &[Row], out: &mut Output) -> Result<(), Failure> {
+    for row in rows {
+        out.json(row)?;
+    }
+    Ok(out.flush()?)
+}
+
+/// Rows of fresh packs and unread meshes are written only if `lists_all`.
+pub fn write_table(rows: &[Row], lists_all: bool, is_check: bool, out: &mut Output) -> Result<(), Failure> {
+    let is_usual = |row: &Row| matches!(row.status, Status::Fresh | Status::Unread);
+    let listed: Vec<&Row> = rows.iter().filter(|row| lists_all || !is_usual(row)).collect();
+    if !listed.is_empty() {
+        let table = if is_check { check_table(&listed) } else { build_table(&listed) };
+        table.write(out)?;
+        out.line("")?;
+    }
+    out.line(summary(rows, is_check))?;
+    Ok(out.flush()?)
+}
+
+fn build_table(rows: &[&Row]) -> Table {
+    let has_triangles = rows.iter().any(|row| row.surface().is_some());
+    let triangles = has_triangles.then_some(("triangles", Align::Right));
+    let columns: Vec<(&str, Align)> =
+        [("source", Align::Left), ("pack", Align::Left), ("hulls", Align::Right), ("points", Align::Right)]
+            .into_iter()
+            .chain([("vertices", Align::Right), ("rank", Align::Right)])
+            .chain(triangles)
+            .chain([("bytes", Align::Right), ("ms", Align::Right), ("status", Align::Left)])
+            .collect();
+    let mut table = Table::new(&columns);
+    let number = |value: Option<usize>| or_dash(value, |value| grouped(value as u64));
+    for row in rows {
+        let [triangles, vertices] = row.surface().map_or([None; 2], |counts| counts.map(Some));
+        let mut cells = vec![
+            row.source.clone(),
+            row.output.clone(),
+            number(row.hulls),
+            number(row.vertices_in),
+            number(row.vertices_hull.or(vertices)),
+            or_dash(row.ranks.as_deref(), ranks),
+        ];
+        if has_triangles {
+            cells.push(number(triangles));
+        }
+        cells.extend([or_dash(row.bytes, grouped), format!("{:.1}", row.millis), row.status.word().to_owned()]);
+        table.push(cells);
+    }
+    table
+}
+
+fn check_table(rows: &[&Row]) -> Table {
+    let columns = [("status", Align::Left), ("pack", Align::Left), ("why", Align::Left)];
+    let mut table = Table::new(&columns);
+    for row in rows {
+        let why = row.error.as_ref().or(row.reason.as_ref());
+        table.push(vec![row.status.word().to_owned(), row.output.clone(), or_dash(why, String::clone)]);
+    }
+    table
+}
+
+/// `3 baked, 9 fresh, 0 failed; 12 hulls in 34 567 bytes`. Triangles are counted if there are any.
+fn summary(rows: &[Row], is_check: bool) -> String {
+    let count = |status| rows.iter().filter(|row| row.status == status).count();
+    let always = if is_check {
+        [Status::Fresh, Status::Stale, Status::Missing].as_slice()
+    } else {
+        &[Status::Baked, Status::Fresh, Status::Failed]
+    };
+    let rare = [Status::Failed, Status::Orphaned, Status::Pruned, Status::Unread];
+    let rare = rare.into_iter().filter(|status| !always.contains(status) && count(*status) > 0);
+    let counts = always.iter().copied().chain(rare);
+    let cached = rows.iter().filter(|row| row.origin == Some(Origin::Cache)).count() as u64;
+    let counts: Vec<String> = counts
+        .map(|status| {
+            let text = format!("{} {}", grouped(count(status) as u64), status.word().to_lowercase());
+            let has_cached = status == Status::Baked && cached > 0;
+            if has_cached { format!("{text} ({} from the cache)", grouped(cached)) } else { text }
+        })
+        .collect();
+    if is_check {
+        return counts.join(", ");
+    }
+    let bytes: u64 = rows.iter().filter_map(|row| row.bytes).sum();
+    let hulls: usize = rows.iter().filter_map(|row| row.hulls).sum();
+    let noun = if hulls == 1 { "hull" } else { "hulls" };
+    let triangles: usize = rows.iter().filter_map(Row::surface).map(|[triangles, _]| triangles).sum();
+    let contents = match (hulls, triangles) {
+        (_, 0) => format!("{} {noun}", grouped(hulls as u64)),
+        (0, _) => format!("{} triangles", grouped(triangles as u64)),
+        _ => format!("{} {noun} and {} triangles", grouped(hulls as u64), grouped(triangles as u64)),
+    };
+    format!("{}; {contents} in {} bytes", counts.join(", "), grouped(bytes))
+}
+
+fn ranks(ranks: &[u32]) -> String {
+    match (ranks.iter().min(), ranks.iter().max()) {
+        (Some(min), Some(max)) if min < max => format!("{min}-{max}"),
+        (Some(min), _) => min.to_string(),
+        _ => "-".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hullmap_pipeline::triangle_mesh::MeshSummary;
+
+    fn rows() -> Vec<Row> {
+        let row = |status| Row::new("a.obj".to_owned(), "a.hullmap".to_owned(), status);
+        [Status::Fresh, Status::Baked, Status::Failed, Status::Fresh, Status::Orphaned].map(row).to_vec()
+    }
+
+    fn table(lists_fresh: bool, is_check: bool) -> String {
+        let mut out = Vec::new();
+        write_table(&rows(), lists_fresh, is_check, &mut Output::new(&mut out)).unwrap();
+        String::from_utf8(out).unwrap()
+    }
+
+    #[test]
+    fn fresh_files_are_counted_but_listed_only_with_verbose() {
+        let text = table(false, false);
+        assert_eq!(text.lines().count(), 1 + 3 + 2, "{text}");
+        assert!(text.ends_with("\n\n1 baked, 2 fresh, 1 failed, 1 orphaned; 0 hulls in 0 bytes\n"), "{text}");
+        assert_eq!(table(true, false).lines().count(), 1 + 5 + 2);
+        let mut out = Vec::new();
+        write_table(&rows()[..1], false, false, &mut Output::new(&mut out)).unwrap();
+        assert_eq!(out, b"0 baked, 1 fresh, 0 failed; 0 hulls in 0 bytes\n");
+    }
+
+    #[test]
+    fn triangles_are_counted_beside_hulls() {
+        let mut rows = rows();
+        rows[1].triangle_mesh = Some(MeshSummary { triangles: 1200, ..MeshSummary::default() });
+        assert!(summary(&rows, false).ends_with("; 1 200 triangles in 0 bytes"), "{}", summary(&rows, false));
+        rows[0].hulls = Some(2);
+        assert!(summary(&rows, false).ends_with("; 2 hulls and 1 200 triangles in 0 bytes"));
+    }
+
+    #[test]
+    fn a_check_counts_what_is_stale() {
+        let text = table(false, true);
+        assert!(text.ends_with("\n\n2 fresh, 0 stale, 0 missing, 1 failed, 1 orphaned\n"), "{text}");
+    }
+}

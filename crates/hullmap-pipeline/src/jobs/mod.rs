@@ -1,0 +1,173 @@
+//! Jobs: the meshes to bake, their options, and their packs.
+//!
+//! | module | concept |
+//! |---|---|
+//! | [`job`] | one mesh, its pack, and the options |
+//! | [`search`] | the meshes that inputs name |
+//! | [`filter`] | the meshes that `--exclude` and `--ext` leave |
+//! | [`pack_names`] | the names of their packs |
+//! | [`shard`] | the meshes of one of several machines |
+//! | [`batch`] | meshes that are baked together elsewhere |
+//! | [`key`] | everything that the bytes of a pack depend on |
+//! | [`task`] | a batch as JSON, which another machine can bake |
+
+pub mod batch;
+pub mod filter;
+pub mod job;
+pub mod key;
+pub mod pack_names;
+pub mod search;
+pub mod shard;
+pub mod task;
+
+use std::path::{Path, PathBuf};
+
+use hullmap_format::header::FileKind;
+use hullmap_import::height_field::is_grid;
+use hullmap_import::{NAMES, is_source};
+
+use crate::config::{Chosen, Configs};
+use crate::glob::Glob;
+use crate::options::{BuildOptions, OptionLayer, flag};
+use crate::outcome::Failure;
+use filter::Filter;
+pub use job::Job;
+use pack_names::{PackName, Unnamed};
+use search::{Found, Mesh, in_words};
+
+#[derive(Debug)]
+pub struct Jobs {
+    pub jobs: Vec<Job>,
+    /// Meshes in input folders whose formats are not supported.
+    pub unread: Vec<Unread>,
+    /// Input folders without meshes. They do not stop the others.
+    pub empty: Vec<PathBuf>,
+    /// All folders that were searched.
+    pub folders: Vec<PathBuf>,
+}
+
+#[derive(Debug)]
+pub struct Unread {
+    pub source: PathBuf,
+    pub place: String,
+}
+
+/// The meshes to bake: the inputs, and what leaves some of them out.
+#[derive(Clone, Debug, Default)]
+pub struct Selection {
+    /// Meshes, and folders to search for them.
+    pub inputs: Vec<PathBuf>,
+    /// Options that override those of `hullmap.toml`.
+    pub options: OptionLayer,
+    /// The `hullmap.toml` of all meshes; otherwise the nearest one above each.
+    pub config: Option<PathBuf>,
+    /// Reads no `hullmap.toml`.
+    pub no_config: bool,
+    /// Leaves out the meshes that match.
+    pub exclude: Vec<Glob>,
+    /// Also takes hidden meshes in folders, and those that a `.gitignore` names.
+    pub no_ignore: bool,
+    /// Extensions of meshes in folders; empty for all.
+    pub extensions: Vec<String>,
+}
+
+/// A message about a selection.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Message {
+    /// Needs action.
+    Warning(String),
+    /// Of interest.
+    Note(String),
+    /// Of interest to a user who wants to know about every mesh.
+    Detail(String),
+}
+
+/// The jobs of a build. Writes no file. `say` receives messages, also before an error. Fails if an input or `hullmap.toml` cannot be read, no mesh is left, or an
+/// option on the command line affects no mesh.
+pub fn jobs(selection: &Selection, out: &Path, say: &mut dyn FnMut(Message)) -> Result<Jobs, Failure> {
+    if out.is_file() {
+        return Err(Failure::usage(format!(
+            "{}: is a file, but --out requires a folder; name a folder for the packs",
+            out.display()
+        )));
+    }
+    let mut filter = Filter::new(selection);
+    let mut configs = Configs::new(selection.config.as_deref(), selection.no_config)?;
+    let is_terrain = selection.options.kind() == FileKind::HeightField;
+    let mut is_meant = |path: &Path| match is_source(path) {
+        false if is_grid(path) => {
+            Ok(selection.options.laid_over(&configs.layer(path)?.layer).kind() == FileKind::HeightField)
+        }
+        is_mesh => Ok(is_mesh && !is_terrain),
+    };
+    let found = search::search(&selection.inputs, out, &mut filter, selection.no_ignore, &mut is_meant)?;
+    if let Some(passed_over) = found.passed_over() {
+        say(Message::Note(passed_over));
+    }
+    let Found { meshes, unread: unsupported, empty, folders, .. } = found;
+    for glob in filter.unused() {
+        say(Message::Warning(format!("--exclude: no mesh matches `{glob}`")));
+    }
+    let mut chosen = Vec::with_capacity(meshes.len());
+    for mesh in meshes {
+        let Chosen { layer, skips, config } = configs.layer(&mesh.source)?;
+        let config = config.map(|config| config.path.clone());
+        if !skips {
+            chosen.push((mesh, selection.options.laid_over(&layer).resolve(), config));
+        } else {
+            let (source, config) = (mesh.source.display(), config.unwrap_or_default());
+            let text = format!("{source}: left out, because {} sets skip = true", config.display());
+            let is_named = selection.inputs.contains(&mesh.source);
+            say(if is_named { Message::Note(text) } else { Message::Detail(text) });
+        }
+    }
+    let mut unread = Vec::with_capacity(unsupported.len());
+    for mesh in unsupported {
+        if !configs.layer(&mesh.source)?.skips {
+            unread.push(Unread { place: place(&mesh, out), source: mesh.source });
+        }
+    }
+    let names: Vec<Unnamed> = chosen
+        .iter()
+        .map(|(mesh, options, _)| Unnamed {
+            mesh,
+            keeps_extension: options.keeps_extension(),
+            kind: options.file_kind(),
+        })
+        .collect();
+    let names = pack_names::pack_names(&names);
+    let job = |((mesh, options, config), name): ((Mesh, BuildOptions, _), PackName)| Job {
+        place: place(&mesh, out),
+        source: mesh.source,
+        output: name.output.clone(),
+        name,
+        options,
+        config,
+        records: None,
+        inputs: Vec::new(),
+        key: String::new(),
+    };
+    let jobs: Vec<Job> = chosen.into_iter().zip(names).map(job).collect();
+    let unused = selection.options.without_effect(jobs.iter().map(|job| &job.options));
+    if let Some(unused) = unused.filter(|_| !jobs.is_empty()) {
+        return Err(Failure::usage(unused.message(|key| format!("--{}", flag(key)))));
+    }
+    let is_cut_by = |config: &Path| {
+        jobs.iter().any(|job| job.config.as_deref() == Some(config) && job.options.decompose().is_some())
+    };
+    configs.warnings(&selection.inputs, is_cut_by).into_iter().map(Message::Warning).for_each(&mut *say);
+    if let Some(unread) = in_words(unread.iter().map(|unread| unread.source.as_path())) {
+        say(Message::Note(format!("not read: {unread}; export them as {NAMES}, or leave them out with --exclude")));
+    }
+    Ok(Jobs { jobs, unread, empty, folders })
+}
+
+fn place(mesh: &Mesh, out: &Path) -> String {
+    let folder = mesh.folder.strip_prefix(out).unwrap_or(Path::new(""));
+    slashed(&folder.join(mesh.source.file_name().unwrap_or_default()))
+}
+
+/// A path with `/` between its components. Names that are not UTF-8 are replaced where they differ.
+pub fn slashed(path: &Path) -> String {
+    path.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")
+}
