@@ -1,5 +1,5 @@
-//! First inputs of the fuzz targets that read packs, meshes, fields and numbers. Without them, nearly
-//! all inputs fail the first check. Source files of all formats are kept in the corpus of `import`.
+//! First inputs of the fuzz targets that read packs, meshes, fields and numbers. Without them,
+//! nearly all inputs fail the first check. The corpus of `import` has source files of all formats.
 
 use shapes::rng::SplitMix64;
 

@@ -1,5 +1,5 @@
-//! Reads bytes as two shapes and their poses. The [soak](crate::soak) judges the solver's answers by
-//! certificates.
+//! Reads bytes as two shapes and their poses. The [soak](crate::soak) judges the solver's answers
+//! by certificates.
 
 use glam::DVec3;
 use hullmap::shapes::{Rounded, Scaled};

@@ -1,4 +1,4 @@
-//! Batches of pairs: the same bits on any number of threads, and no allocation per pair.
+//! Batches of pairs: no allocation per pair.
 
 use glam::{DQuat, DVec3};
 use hullmap::batch::{self, BatchError, Pair};
@@ -50,8 +50,7 @@ fn pairs<'s, 'h>(shapes: &'s [Box<Any<'h>>]) -> Vec<Pair<'s, Any<'h>, Any<'h>>> 
         .collect()
 }
 
-/// All answers of two frames; the second has warm caches.
-#[derive(Clone, PartialEq, Debug)]
+/// The answers of a batch.
 struct Answers {
     contacts: Vec<Contact>,
     distances: Vec<Distance>,
@@ -81,105 +80,37 @@ fn solve(pairs: &[Pair<Any<'_>, Any<'_>>], answers: &mut Answers, caches: &mut [
     batch::manifolds(pairs, &ManifoldSettings::default(), m, &mut answers.manifolds).unwrap();
 }
 
-fn on_threads(threads: usize, pairs: &[Pair<Any<'_>, Any<'_>>]) -> Vec<Answers> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let (mut answers, mut caches) = result_slots(pairs);
-    (0..2)
-        .map(|_| {
-            pool.install(|| solve(pairs, &mut answers, &mut caches));
-            answers.clone()
-        })
-        .collect()
-}
-
-#[test]
-fn the_same_bits_on_any_number_of_threads() {
-    let _alone = alone();
-    println!("seed {SEED:#x}");
-    let packs = packs();
-    let shapes = shapes(&packs);
-    let pairs = pairs(&shapes);
-    let one = on_threads(1, &pairs);
-    for threads in [2, 3, 8] {
-        let many = on_threads(threads, &pairs);
-        assert!(many == one, "{threads} threads");
-    }
-    let (settings, mut caches) = (Settings::default(), vec![Cache::new(); pairs.len()]);
-    let mut hits = 0;
-    for frame in &one {
-        for (i, (pair, cache)) in pairs.iter().zip(&mut caches).enumerate() {
-            let single = hullmap::contact(pair.a, pair.b, pair.b_in_a, &settings, cache);
-            assert_eq!(single, frame.contacts[i], "in the pairs' order: {i}");
-            assert_eq!(single.hit, frame.intersections[i].is_hit(), "{i}");
-            assert_eq!(single.hit, frame.distances[i].distance == 0.0, "{i}");
-            assert!(!single.hit || !frame.manifolds[i].points().is_empty(), "{i}");
-            hits += usize::from(single.hit);
-        }
-    }
-    let share = hits as f64 / (2 * PAIRS) as f64;
-    assert!((0.3..0.7).contains(&share), "not representative: {share} of the pairs overlap");
-}
-
-/// The thread pool allocates a little for a batch of any length. The queries allocate nothing.
+/// The thread pool allocates a little for a batch of any length. The queries allocate nothing, also
+/// if they are in flight, or fetch memory ahead: large sets of shapes are larger than the caches,
+/// since each copy counts as another shape.
 #[test]
 fn nothing_is_allocated_for_a_pair() {
     let _alone = alone();
-    let packs = packs();
-    let shapes = shapes(&packs);
-    let pairs = pairs(&shapes);
-    for threads in [1, 2] {
+    let check = |name: &str, shapes: &[Box<Any<'_>>], threads: usize| {
+        let pairs = pairs(shapes);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let (mut answers, mut caches) = result_slots(&pairs);
         pool.install(|| solve(&pairs, &mut answers, &mut caches));
         // The harness may allocate at the same time, so the minimum of several tries counts.
-        let counts = (0..20).map(|_| {
-            let region = Region::new(ALLOCATOR);
-            pool.install(|| solve(&pairs, &mut answers, &mut caches));
-            region.change().allocations + region.change().reallocations
-        });
-        let least = counts.min().unwrap();
-        println!("{threads} threads: {least} allocations for {} answers", 4 * PAIRS);
-        assert!(least < PAIRS / 20, "{threads} threads: {least} allocations");
-    }
-    // Control: the counter counts an allocation.
-    let region = Region::new(ALLOCATOR);
-    drop(std::hint::black_box(vec![0_u8; 100]));
-    assert!(region.change().allocations > 0);
-    // A single update of a manifold allocates nothing at all.
-    let mut manifold = Manifold::new();
-    let mut cache = Cache::new();
-    let least = (0..1000)
-        .map(|i| {
-            let pair = &pairs[i];
-            let region = Region::new(ALLOCATOR);
-            manifold.update(pair.a, pair.b, pair.b_in_a, &ManifoldSettings::default(), &mut cache);
-            region.change().allocations
-        })
-        .filter(|count| *count == 0)
-        .count();
-    assert!(least > 900, "updates without an allocation: {least} of 1000");
-}
-
-/// Queries are in flight, or fetch memory ahead: the shapes are larger than the caches, since each
-/// copy counts as another shape.
-#[test]
-fn nothing_is_allocated_for_a_pair_in_flight() {
-    let _alone = alone();
-    for (vertices, copies) in [(30, 3000), (100, 1000), (600, 300)] {
-        let pack = pack("hull", &Family::Rock.points(vertices, 1), IndexKind::Tree);
-        let shapes: Vec<Box<Any<'_>>> = (0..copies).map(|_| Box::new(pack.hull(0).unwrap()) as _).collect();
-        let pairs = pairs(&shapes);
-        let (mut answers, mut caches) = result_slots(&pairs);
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        pool.install(|| solve(&pairs, &mut answers, &mut caches));
         let counts = (0..5).map(|_| {
             let region = Region::new(ALLOCATOR);
             pool.install(|| solve(&pairs, &mut answers, &mut caches));
             region.change().allocations + region.change().reallocations
         });
         let least = counts.min().unwrap();
-        println!("{vertices} vertices: {least} allocations for {} answers", 4 * PAIRS);
-        assert!(least < PAIRS / 20, "{vertices} vertices: {least} allocations");
+        println!("{name}, {threads} threads: {least} allocations for {} answers", 4 * PAIRS);
+        assert!(least < PAIRS / 20, "{name}, {threads} threads: {least} allocations");
+        let share = answers.contacts.iter().filter(|contact| contact.hit).count() as f64 / PAIRS as f64;
+        assert!((0.2..0.8).contains(&share), "{name} is not representative: {share} of the pairs overlap");
+    };
+    let packs = packs();
+    let all = shapes(&packs);
+    check("all shapes", &all, 1);
+    check("all shapes", &all, 2);
+    for (vertices, copies) in [(30, 3000), (100, 1000), (600, 300)] {
+        let pack = pack("hull", &Family::Rock.points(vertices, 1), IndexKind::Tree);
+        let shapes: Vec<Box<Any<'_>>> = (0..copies).map(|_| Box::new(pack.hull(0).unwrap()) as _).collect();
+        check(&format!("{vertices} vertices"), &shapes, 1);
     }
 }
 

@@ -3,7 +3,6 @@
 use std::hint::black_box;
 
 use glam::{DQuat, DVec3, Vec3};
-use hullmap::batch::{self, Pair};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Scaled, Segment, Sphere, Triangle};
 use hullmap::{
     Cache, CastSettings, Compound, CompoundManifolds, Feature, Hull, Manifold, ManifoldSettings, Minkowski, Motion,
@@ -85,78 +84,32 @@ fn queries_allocate_nothing() {
     let pair_at = |i: usize| (&*shapes[i % shapes.len()], &*shapes[(i / shapes.len() + i) % shapes.len()]);
     let mut counts: Vec<(&str, usize)> = Vec::new();
     let mut count = |name: &'static str, found: usize| counts.push((name, found));
-
-    count(
-        "pack",
-        allocations(|_| {
-            black_box(opened[0].hulls().map(|hull| hull.rank()).sum::<u32>());
-        }),
-    );
-    count(
-        "support",
-        allocations(|i| {
-            black_box(hull_at(i).support(dirs[i]));
-        }),
-    );
-    count(
-        "support_from",
-        allocations(|i| {
-            black_box(hull_at(i).support_from(dirs[i], i as u32));
-        }),
-    );
-    count(
-        "support of extremes",
-        allocations(|i| {
-            let dir = [Vec3::ZERO, Vec3::NAN, Vec3::splat(f32::MAX), Vec3::splat(1e-45)][i % 4];
-            black_box(hull_at(i).support(dir));
-        }),
-    );
-    count(
-        "support of shapes",
-        allocations(|i| {
-            black_box(pair_at(i).0.support_point(dirs[i].as_dvec3()));
-        }),
-    );
-    count(
-        "facts",
-        allocations(|i| {
-            let hull = hull_at(i);
-            black_box((
-                hull.support_cost(dirs[i]),
-                hull.face_towards(dirs[i].as_dvec3()),
-                hull.centroid(),
-                hull.name(),
-            ));
-            black_box((hull.vertices().count(), hull.faces().map(|face| face.len()).sum::<usize>()));
-            black_box((hull.neighbours(i as u32).count(), hull.faces_at(i as u32).count(), hull.bounds()));
-        }),
-    );
+    // Counts the allocations of expressions of a round.
+    macro_rules! count {
+        ($name:literal, $i:ident: $($query:expr);+) => {
+            count($name, allocations(|$i| { $(let _ = black_box($query);)+ }))
+        };
+    }
     let (wall, mut none) = (HalfSpace::new(DVec3::ONE, 0.2).unwrap(), Cache::new());
-    let mut on_wall = vec![Manifold::new(); ROUNDS];
-    count(
-        "half-space",
-        allocations(|i| {
-            let (a, _) = pair_at(i);
-            black_box(intersects(&wall, a, poses[i], &mut none));
-            black_box(distance(a, &wall, poses[i], &settings, &mut none));
-            black_box(on_wall[i].update_half_space(&wall, a, poses[i], &ManifoldSettings::default()));
-        }),
-    );
-    count(
-        "bounds_under",
-        allocations(|i| {
-            black_box(pair_at(i).0.bounds_under(poses[i]).to_f32());
-        }),
-    );
-    let mut feature = Feature::new();
-    count("feature", allocations(|i| pair_at(i).0.feature(dirs[i].as_dvec3(), &mut feature)));
-    count(
-        "minkowski",
-        allocations(|i| {
-            let (a, b) = pair_at(i);
-            black_box(Minkowski::new(a, b, poses[i]).support(dirs[i].as_dvec3()));
-        }),
-    );
+    let (mut on_wall, mut feature) = (vec![Manifold::new(); ROUNDS], Feature::new());
+    let extremes = [Vec3::ZERO, Vec3::NAN, Vec3::splat(f32::MAX), Vec3::splat(1e-45)];
+    count!("pack", _i: opened[0].hulls().map(|hull| hull.rank()).sum::<u32>());
+    count!("support", i: hull_at(i).support(dirs[i]));
+    count!("support_from", i: hull_at(i).support_from(dirs[i], i as u32));
+    count!("support of extremes", i: hull_at(i).support(extremes[i % 4]));
+    count!("support of shapes", i: pair_at(i).0.support_point(dirs[i].as_dvec3()));
+    count!("facts", i:
+        (hull_at(i).support_cost(dirs[i]), hull_at(i).face_towards(dirs[i].as_dvec3()));
+        (hull_at(i).centroid(), hull_at(i).name(), hull_at(i).bounds());
+        (hull_at(i).vertices().count(), hull_at(i).faces().map(|face| face.len()).sum::<usize>());
+        (hull_at(i).neighbours(i as u32).count(), hull_at(i).faces_at(i as u32).count()));
+    count!("half-space", i:
+        intersects(&wall, pair_at(i).0, poses[i], &mut none);
+        distance(pair_at(i).0, &wall, poses[i], &settings, &mut none);
+        on_wall[i].update_half_space(&wall, pair_at(i).0, poses[i], &ManifoldSettings::default()));
+    count!("bounds_under", i: pair_at(i).0.bounds_under(poses[i]).to_f32());
+    count!("feature", i: pair_at(i).0.feature(dirs[i].as_dvec3(), &mut feature));
+    count!("minkowski", i: Minkowski::new(pair_at(i).0, pair_at(i).1, poses[i]).support(dirs[i].as_dvec3()));
     for warm in [false, true] {
         let mut caches = vec![Cache::new(); ROUNDS];
         let mut each = |name: &'static str, query: &mut dyn FnMut(usize, &mut Cache)| {
@@ -227,22 +180,4 @@ fn queries_allocate_nothing() {
     let guilty: Vec<_> = counts.iter().filter(|(_, count)| *count > 0).collect();
     assert!(guilty.is_empty(), "allocations in {ROUNDS} calls: {guilty:?}");
     assert_eq!(counts.len(), 11 + 2 * 5);
-
-    // A batch on a warm pool: rayon's queues may grow once, for any number of pairs.
-    let pairs: Vec<_> = (0..4 * ROUNDS).map(|i| (pair_at(i), poses[i % ROUNDS])).collect();
-    let pairs: Vec<_> = pairs.into_iter().map(|((a, b), b_in_a)| Pair { a, b, b_in_a }).collect();
-    let mut caches = vec![Cache::new(); pairs.len()];
-    let mut contacts = vec![contact(&hull, &hull, Pose::IDENTITY, &settings, &mut Cache::new()); pairs.len()];
-    let mut manifolds = vec![Manifold::new(); pairs.len()];
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let least = pool.install(|| {
-        let tries = (0..TRIES).map(|_| {
-            let region = Region::new(ALLOCATOR);
-            batch::contact(&pairs, &settings, &mut caches, &mut contacts).unwrap();
-            batch::manifolds(&pairs, &ManifoldSettings::default(), &mut caches, &mut manifolds).unwrap();
-            region.change().allocations + region.change().reallocations
-        });
-        tries.min().unwrap()
-    });
-    assert_eq!(least, 0, "allocations in a batch of {} pairs", pairs.len());
 }

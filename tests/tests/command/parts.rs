@@ -1,5 +1,5 @@
-//! Convex parts, from the command to the runtime. What a pack records is compared with figures found
-//! here by other means, and `bake verify` finds records that are wrong.
+//! Convex parts, from the command to the runtime. Records of packs are compared with figures found
+//! here by other means, and `bake verify` finds wrong ones.
 
 use std::fs;
 

@@ -272,6 +272,9 @@ fn neighbours_and_edges() {
             => "hull 0: its record states at most … neighbours of a vertex (expected 3)";
         [neighbours[11]] = 8_u32, 9_u32, 12_u32, u32::MAX
             => "hull 0: neighbour 11: vertex index … is out of range (the hull has 8 vertices)";
+        // Vertex 0 has the neighbours 1, 2 and 4.
+        [neighbours[0]] = 2_u32, 4_u32 => "hull 0: vertex 0: its neighbours do not ascend…";
+        [neighbours[1]] = 1_u32 => "hull 0: vertex 0: its neighbours do not ascend…";
         [neighbour_faces[7]] = 6_u32 => "hull 0: neighbour 7: face index 6 is out of range (the hull has 6 faces)";
         [neighbour_faces[7]] = 5_u32
             => "hull 0: face 1 and the neighbours disagree on the edge from vertex 2 to vertex 3";
