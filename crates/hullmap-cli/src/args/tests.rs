@@ -187,8 +187,8 @@ fn help_fits_a_screen() {
     assert!(long.is_empty(), "{long:#?}");
 }
 
-/// The help had 225 lines without an order: the farm's flags stood between common ones. The page has
-/// the headings in their order.
+/// The help had 225 lines without an order: the farm's flags stood between common ones.
+/// docs/COMMAND.md has the headings in their order.
 #[test]
 fn help_of_build_is_grouped_by_purpose() {
     let help = error("bake build --help");
