@@ -199,9 +199,7 @@ mod tests {
     use hullmap_geometry::PointSet;
 
     fn map(positions: Vec<[f32; 3]>) -> (Hull, GaussMap) {
-        let source_vertices = (0..positions.len() as u32).collect();
-        let hull =
-            hull::build(&PointSet { name: String::new(), positions, source_vertices, ..PointSet::default() }).unwrap();
+        let hull = hull::build(&PointSet::of_positions(positions)).unwrap();
         let map = GaussMap::new(&hull);
         (hull, map)
     }

@@ -53,13 +53,7 @@ mod tests {
     fn balls_of_a_box() {
         let positions: Vec<[f32; 3]> =
             (0..8).map(|i| [(i & 1) as f32 * 2.0, (i >> 1 & 1) as f32 * 4.0, (i >> 2) as f32 * 6.0]).collect();
-        let hull = hull::build(&PointSet {
-            name: String::new(),
-            positions,
-            source_vertices: (0..8).collect(),
-            ..PointSet::default()
-        })
-        .unwrap();
+        let hull = hull::build(&PointSet::of_positions(positions)).unwrap();
         let balls = interior(&hull, &mass::mass(&hull));
         assert!(balls.inner_radius <= 1.0 && balls.inner_radius > 1.0 - 1e-11);
         let corner = 14_f64.sqrt();

@@ -120,9 +120,7 @@ mod tests {
     use hullmap_geometry::PointSet;
 
     fn mass_of(positions: &[[f32; 3]]) -> Mass {
-        let source_vertices = (0..positions.len() as u32).collect();
-        let set =
-            PointSet { name: String::new(), positions: positions.to_vec(), source_vertices, ..PointSet::default() };
+        let set = PointSet::of_positions(positions.to_vec());
         mass(&hull::build(&set).unwrap())
     }
 

@@ -106,12 +106,7 @@ fn polytope(positions: &[DVec3], margin: f64) -> Vec<[f32; 3]> {
 }
 
 pub(crate) fn holds(outer: &[[f32; 3]], positions: &[DVec3]) -> bool {
-    let points = PointSet {
-        name: String::new(),
-        positions: outer.to_vec(),
-        source_vertices: (0..outer.len() as u32).collect(),
-        ..PointSet::default()
-    };
+    let points = PointSet::of_positions(outer.to_vec());
     let Ok(solid) = hull::build(&points) else { return false };
     let corners = solid.positions();
     let low = positions.iter().chain(&corners).copied().fold(DVec3::INFINITY, DVec3::min);
@@ -137,8 +132,7 @@ mod tests {
     use super::*;
 
     fn build(positions: Vec<[f32; 3]>) -> Hull {
-        let source_vertices = (0..positions.len() as u32).collect();
-        hull::build(&PointSet { name: String::new(), positions, source_vertices, ..PointSet::default() }).unwrap()
+        hull::build(&PointSet::of_positions(positions)).unwrap()
     }
 
     /// Support values check containment independently, and that the polytope is tight.

@@ -24,6 +24,12 @@ pub struct PointSet {
 }
 
 impl PointSet {
+    /// Points that are the vertices of a source, in its order.
+    pub fn of_positions(positions: Vec<[f32; 3]>) -> Self {
+        let source_vertices = (0..positions.len() as u32).collect();
+        Self { positions, source_vertices, ..Self::default() }
+    }
+
     /// Diagonal of the box around the points.
     pub fn diagonal(&self) -> f64 {
         diagonal(&self.positions)

@@ -91,8 +91,7 @@ pub fn hulls(pack: &Arc<Pack>, mesh: &MeshUse) -> Result<Vec<Convex>, String> {
 fn turned(hull: &Hull, mesh: &MeshUse) -> Result<Convex, String> {
     let placed = |vertex: glam::Vec3| mesh.placed(vertex.as_dvec3()).as_vec3().to_array();
     let positions: Vec<[f32; 3]> = hull.vertices().map(placed).collect();
-    let source_vertices = (0..positions.len() as u32).collect();
-    let points = PointSet { positions, source_vertices, ..PointSet::default() };
+    let points = PointSet::of_positions(positions);
     let pack = hull_of(&points, IndexKind::None)?;
     Ok(Convex::Hull(pack.shared_hull(0).map_err(|error| error.to_string())?))
 }

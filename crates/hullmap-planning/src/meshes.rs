@@ -46,8 +46,7 @@ impl Packs {
         let file = match &mesh.file {
             Ok(file) => file,
             Err(Unresolved::Inline(own)) => {
-                let source_vertices = (0..own.vertices.len() as u32).collect();
-                let points = PointSet { positions: own.vertices.clone(), source_vertices, ..PointSet::default() };
+                let points = PointSet::of_positions(own.vertices.clone());
                 return hull_of(&points, IndexKind::Tree).map_err(|error| format!("mesh `{}`: {error}", own.name));
             }
             Err(Unresolved::Remote) => {

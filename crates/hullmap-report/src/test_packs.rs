@@ -23,8 +23,7 @@ pub fn cloud(count: usize) -> Vec<[f32; 3]> {
 }
 
 pub fn baked(positions: Vec<[f32; 3]>, kind: IndexKind) -> (Pack, Contents) {
-    let source_vertices = (0..positions.len() as u32).collect();
-    let set = PointSet { name: "cloud".to_owned(), positions, source_vertices, ..PointSet::default() };
+    let set = PointSet { name: "cloud".to_owned(), ..PointSet::of_positions(positions) };
     let bytes = write_pack(&[bake_hull(&set, kind).unwrap()], &SourceRecord::default()).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("cloud.hullmap");

@@ -354,8 +354,7 @@ mod tests {
             let j = (i + 1) % 6;
             triangles.extend([[i, j, j + 6], [i, j + 6, i + 6]]);
         }
-        let source_vertices = (0..positions.len() as u32).collect();
-        PointSet { name: "l".into(), positions, source_vertices, triangles, ..PointSet::default() }
+        PointSet { name: "l".into(), triangles, ..PointSet::of_positions(positions) }
     }
 
     fn part(mesh: &PointSet, vertices: &[usize]) -> BakedHull {

@@ -24,8 +24,7 @@ pub fn polygons(hull: &Hull) -> Vec<Vec<u32>> {
 /// The convex hull of a hull's vertices, as the baker builds it, if there is one.
 pub fn rebuilt(hull: &Hull) -> Option<hull::Hull> {
     let positions = positions(hull);
-    let source_vertices = (0..positions.len() as u32).collect();
-    let points = PointSet { positions, source_vertices, ..PointSet::default() };
+    let points = PointSet::of_positions(positions);
     hull::build(&points).ok()
 }
 
@@ -58,8 +57,7 @@ mod tests {
             [turn.cos(), turn.sin(), f32::from(i % 2)]
         };
         for positions in [(0..300).map(on_sphere).collect::<Vec<_>>(), (0..80).map(on_prism).collect()] {
-            let source_vertices = (0..positions.len() as u32).collect();
-            let points = PointSet { positions, source_vertices, ..PointSet::default() };
+            let points = PointSet::of_positions(positions);
             let baked = bake_hull(&points, IndexKind::Tree).unwrap();
             let full = Pack::from_bytes(&write_pack(std::slice::from_ref(&baked), &Default::default()).unwrap());
             let lean = Pack::from_bytes(&write_lean_pack(vec![baked], &Default::default()).unwrap()).unwrap();

@@ -25,8 +25,7 @@ pub fn prove(pack: &Pack) -> Vec<Result<Proof, String>> {
 fn prove_hull(pack: &Pack, sections: &Sections, index: usize) -> Result<Proof, String> {
     let stored = pack.hull(index).map_err(|error| error.to_string())?;
     let points = positions(&stored);
-    let source_vertices = (0..points.len() as u32).collect();
-    let set = PointSet { positions: points, source_vertices, ..PointSet::default() };
+    let set = PointSet::of_positions(points);
     let hull = hull::build(&set).map_err(|error| error.to_string())?;
     if hull.vertices != set.positions {
         return Err("some of its vertices are not vertices of their convex hull".to_owned());

@@ -43,10 +43,8 @@ mod tests {
     fn closed_boxes_are_convex_and_open_ones_are_not() {
         let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6_u32]];
         let cube = PointSet {
-            positions: (0..8).map(|i| [0, 1, 2].map(|axis| (i >> axis & 1) as f32)).collect(),
-            source_vertices: (0..8).collect(),
             triangles: quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect(),
-            ..PointSet::default()
+            ..PointSet::of_positions((0..8).map(|i| [0, 1, 2].map(|axis| (i >> axis & 1) as f32)).collect())
         };
         let hull = hull::build(&cube).unwrap();
         assert!(is_convex(&cube, &hull));

@@ -72,7 +72,7 @@ mod tests {
         };
         // A corner was moved, and another one is -0.
         let moved = vec![[-0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.5]];
-        let moved = PointSet { source_vertices: (0..4).collect(), positions: moved, ..PointSet::default() };
+        let moved = PointSet::of_positions(moved);
         let part = SourceVertices::new(&mesh).part(&hull::build(&moved).unwrap());
         assert_eq!(part.source_vertices, [10, 11, 12, NO_SOURCE_VERTEX]);
         assert_eq!(part.positions, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 3], [0.0, 0.0, 1.5]]);

@@ -19,13 +19,7 @@ use crate::{
 };
 
 pub fn point_set(mesh: &Mesh) -> PointSet {
-    PointSet {
-        name: "mesh".into(),
-        positions: mesh.vertices.clone(),
-        source_vertices: (0..mesh.vertices.len() as u32).collect(),
-        triangles: mesh.fans(),
-        ..PointSet::default()
-    }
+    PointSet { name: "mesh".into(), triangles: mesh.fans(), ..PointSet::of_positions(mesh.vertices.clone()) }
 }
 
 fn hulls(mesh: &PointSet, cover: &Cover) -> Vec<Hull> {
@@ -182,7 +176,7 @@ fn parts_that_cross_are_divided_if_they_may_not_overlap() {
 fn parts_of_a_sheet_have_a_thickness() {
     let positions = vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0], [0.0, 4.0, 4.0]];
     let triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 4]];
-    let mesh = PointSet { positions, source_vertices: (0..5).collect(), triangles, ..PointSet::default() };
+    let mesh = PointSet { triangles, ..PointSet::of_positions(positions) };
     let diagonal = Solid::new(&mesh).diagonal();
     let parts = hulls(&mesh, &Cover::default());
     for part in &parts {

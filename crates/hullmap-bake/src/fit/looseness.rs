@@ -215,22 +215,13 @@ mod tests {
 
     fn block(low: [f32; 3], high: [f32; 3]) -> Hull {
         let corner = |i: usize| std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
-        let set = PointSet {
-            positions: (0..8).map(corner).collect(),
-            source_vertices: (0..8).collect(),
-            ..PointSet::default()
-        };
+        let set = PointSet::of_positions((0..8).map(corner).collect());
         hull::build(&set).unwrap()
     }
 
     fn letter_l() -> PointSet {
         let l = concave::l();
-        PointSet {
-            source_vertices: (0..l.vertices.len() as u32).collect(),
-            triangles: l.fans(),
-            positions: l.vertices,
-            ..PointSet::default()
-        }
+        PointSet { triangles: l.fans(), ..PointSet::of_positions(l.vertices) }
     }
 
     #[test]

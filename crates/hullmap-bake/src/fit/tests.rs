@@ -15,12 +15,7 @@ use hullmap_geometry::planes::HalfSpace;
 use hullmap_geometry::triangle;
 
 fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> PointSet {
-    PointSet {
-        positions: positions.to_vec(),
-        source_vertices: (0..positions.len() as u32).collect(),
-        triangles: triangles.to_vec(),
-        ..PointSet::default()
-    }
+    PointSet { triangles: triangles.to_vec(), ..PointSet::of_positions(positions.to_vec()) }
 }
 
 fn hull_of(positions: &[[f32; 3]]) -> Hull {

@@ -157,8 +157,7 @@ mod tests {
     use hullmap_geometry::PointSet;
 
     fn hull_of(positions: Vec<[f32; 3]>) -> Hull {
-        let source_vertices = (0..positions.len() as u32).collect();
-        hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).unwrap()
+        hull::build(&PointSet::of_positions(positions)).unwrap()
     }
 
     fn corners([low, high]: [[f32; 3]; 2]) -> Vec<[f32; 3]> {
@@ -166,19 +165,13 @@ mod tests {
     }
 
     fn mesh_of(shape: &shapes::mesh::Mesh) -> PointSet {
-        PointSet {
-            positions: shape.vertices.clone(),
-            source_vertices: (0..shape.vertices.len() as u32).collect(),
-            triangles: shape.fans(),
-            ..PointSet::default()
-        }
+        PointSet { triangles: shape.fans(), ..PointSet::of_positions(shape.vertices.clone()) }
     }
 
     fn cube() -> PointSet {
         let whole = hull_of(corners([[-1.0; 3], [1.0; 3]]));
         let triangles = whole.faces.iter().flat_map(|f| (2..f.len()).map(|i| [f[0], f[i - 1], f[i]])).collect();
-        let source_vertices = (0..whole.vertices.len() as u32).collect();
-        PointSet { positions: whole.vertices, source_vertices, triangles, ..PointSet::default() }
+        PointSet { triangles, ..PointSet::of_positions(whole.vertices) }
     }
 
     #[track_caller]

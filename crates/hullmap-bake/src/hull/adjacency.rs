@@ -93,8 +93,7 @@ mod tests {
     use hullmap_geometry::PointSet;
 
     fn agrees(positions: Vec<[f32; 3]>, name: &str) -> u32 {
-        let source_vertices = (0..positions.len() as u32).collect();
-        let hull = build(&PointSet { positions, source_vertices, ..PointSet::default() }).unwrap();
+        let hull = build(&PointSet::of_positions(positions)).unwrap();
         let adjacency = Adjacency::new(&hull);
         // The slow, obvious twin.
         let lists = hull.neighbours();

@@ -265,12 +265,7 @@ mod tests {
 
     fn cube() -> (Hull, Vec<DVec3>) {
         let corners: Vec<[f32; 3]> = (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect();
-        let set = PointSet {
-            name: String::new(),
-            source_vertices: (0..8).collect(),
-            positions: corners,
-            ..PointSet::default()
-        };
+        let set = PointSet::of_positions(corners);
         let hull = build(&set).unwrap();
         let points = hull.positions();
         (hull, points)
@@ -305,7 +300,7 @@ mod tests {
 
     fn planes(family: Family, n: usize) -> (Vec<DVec3>, Vec<HalfSpace>) {
         let positions = family.points(n, 5);
-        let set = PointSet { source_vertices: (0..positions.len() as u32).collect(), positions, ..PointSet::default() };
+        let set = PointSet::of_positions(positions);
         let hull = build(&set).unwrap();
         let points = hull.positions();
         let half_spaces = face_planes(&hull, &points);

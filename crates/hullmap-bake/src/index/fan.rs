@@ -346,9 +346,7 @@ mod tests {
     }
 
     fn trees(positions: Vec<[f32; 3]>) -> Vec<Tree> {
-        let source_vertices = (0..positions.len() as u32).collect();
-        let hull =
-            hull::build(&PointSet { name: String::new(), positions, source_vertices, ..PointSet::default() }).unwrap();
+        let hull = hull::build(&PointSet::of_positions(positions)).unwrap();
         let map = GaussMap::new(&hull);
         (0..6).map(|face| subdivide(&map, face, 6, Cuts::FansAndPlanes)).collect()
     }

@@ -172,8 +172,7 @@ mod tests {
     #[test]
     fn the_binary_tree_has_no_fans() {
         let positions = shapes::families::prism(2_000, 0);
-        let set =
-            PointSet { name: String::new(), source_vertices: (0..2_000).collect(), positions, ..PointSet::default() };
+        let set = PointSet::of_positions(positions);
         let hull = hull::build(&set).unwrap();
         let nodes = |kind: IndexKind| build(&hull, kind).unwrap().cost.nodes;
         let [fans, halves] = [IndexKind::Tree, IndexKind::Binary].map(nodes);
@@ -184,8 +183,7 @@ mod tests {
     #[test]
     fn an_unproven_index_is_replaced_by_a_simpler_one() {
         let positions = shapes::families::rock(200, 3);
-        let set =
-            PointSet { name: String::new(), source_vertices: (0..200).collect(), positions, ..PointSet::default() };
+        let set = PointSet::of_positions(positions);
         let hull = hull::build(&set).unwrap();
         // Every lane of block 1 holds the same vertex.
         let damaged = |kinds: &'static [IndexKind]| {

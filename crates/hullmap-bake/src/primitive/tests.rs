@@ -26,10 +26,8 @@ fn turned(mesh: &Mesh) -> PointSet {
     let place = |p: &[f32; 3]| (turn * DVec3::from_array(p.map(f64::from)) + 0.25).as_vec3().to_array();
     PointSet {
         name: "mesh".into(),
-        positions: mesh.vertices.iter().map(place).collect(),
-        source_vertices: (0..mesh.vertices.len() as u32).collect(),
         triangles: mesh.fans(),
-        ..PointSet::default()
+        ..PointSet::of_positions(mesh.vertices.iter().map(place).collect())
     }
 }
 

@@ -500,8 +500,7 @@ mod tests {
 
     fn build(family: Family, count: usize) -> Hull {
         let positions = family.points(count, 2);
-        let source_vertices = (0..positions.len() as u32).collect();
-        hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).unwrap()
+        hull::build(&PointSet::of_positions(positions)).unwrap()
     }
 
     fn start(hull: &Hull, nearest: &Nearest, max_vertices: usize) -> Wrapped {

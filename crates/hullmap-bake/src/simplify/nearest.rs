@@ -667,8 +667,7 @@ mod tests {
         for family in Family::ALL {
             for far in [0.0_f32, 300.0] {
                 let positions: Vec<[f32; 3]> = family.points(900, 3).iter().map(|p| p.map(|c| c + far)).collect();
-                let source_vertices = (0..positions.len() as u32).collect();
-                let hull = hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).unwrap();
+                let hull = hull::build(&PointSet::of_positions(positions)).unwrap();
                 if hull.rank < 2 {
                     continue;
                 }
@@ -702,8 +701,7 @@ mod tests {
         let mut rng = SplitMix64::new(4);
         for family in [Family::Sphere, Family::Rock, Family::Cone, Family::Prism, Family::Needle, Family::CubeGrid] {
             let positions = family.points(216, 3);
-            let source_vertices = (0..positions.len() as u32).collect();
-            let hull = hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).unwrap();
+            let hull = hull::build(&PointSet::of_positions(positions)).unwrap();
             let nearest = Nearest::new(&hull);
             let (mut start, mut outside) = (0, 0);
             for round in 0..300 {

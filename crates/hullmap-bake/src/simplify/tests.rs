@@ -7,8 +7,7 @@ use hullmap_format::archive::NO_SOURCE_VERTEX;
 use hullmap_geometry::PointSet;
 
 fn build(positions: Vec<[f32; 3]>) -> Hull {
-    let source_vertices = (0..positions.len() as u32).collect();
-    hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).unwrap()
+    hull::build(&PointSet::of_positions(positions)).unwrap()
 }
 
 fn reach(hull: &Hull, direction: DVec3) -> f64 {

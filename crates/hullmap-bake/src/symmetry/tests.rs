@@ -3,12 +3,7 @@ use shapes::{concave, mesh::Mesh, rng::SplitMix64};
 use super::*;
 
 fn point_set(mesh: &Mesh) -> PointSet {
-    PointSet {
-        positions: mesh.vertices.clone(),
-        source_vertices: (0..mesh.vertices.len() as u32).collect(),
-        triangles: mesh.fans(),
-        ..PointSet::default()
-    }
+    PointSet { triangles: mesh.fans(), ..PointSet::of_positions(mesh.vertices.clone()) }
 }
 
 fn mirrored_cloud(rng: &mut SplitMix64, count: usize, plane: (DVec3, f64)) -> Vec<[f32; 3]> {
@@ -86,12 +81,7 @@ fn symmetric_vertices_may_have_a_surface_that_is_not() {
     let positions = [side(1.0), side(-1.0)].concat();
     let own = [[0, 1, 2], [0, 2, 3]];
     for (other, is_symmetric) in [([[4, 6, 5], [4, 7, 6]], true), ([[5, 4, 7], [5, 7, 6]], false)] {
-        let mesh = PointSet {
-            positions: positions.clone(),
-            source_vertices: (0..8).collect(),
-            triangles: [own, other].concat(),
-            ..PointSet::default()
-        };
+        let mesh = PointSet { triangles: [own, other].concat(), ..PointSet::of_positions(positions.clone()) };
         let found = mirror_of_mesh(&mesh, &Solid::new(&mesh));
         assert_eq!(found.map(|mirror| mirror.to_string()).as_deref(), is_symmetric.then_some("x = 0"));
     }

@@ -421,11 +421,7 @@ mod tests {
 
     fn cuboid(edges: [f32; 3]) -> Pack {
         let corner = |i: usize| [0, 1, 2].map(|axis| edges[axis] * f32::from((i >> axis & 1) as u8));
-        let points = PointSet {
-            positions: (0..8).map(corner).collect(),
-            source_vertices: (0..8).collect(),
-            ..PointSet::default()
-        };
+        let points = PointSet::of_positions((0..8).map(corner).collect());
         let baked = bake_hull(&points, IndexKind::None).unwrap();
         Pack::from_bytes(&write_pack(&[baked], &Default::default()).unwrap()).unwrap()
     }

@@ -114,9 +114,7 @@ fn what_is_left_has_the_rest_of_the_volume() {
     let solid = Solid::new(&mesh);
     let block = |low: [f32; 3], high: [f32; 3]| {
         let corner = |i: usize| [0, 1, 2].map(|axis| [low, high][i >> axis & 1][axis]);
-        let source_vertices = (0..8).collect();
-        hull::build(&PointSet { positions: (0..8).map(corner).collect(), source_vertices, ..PointSet::default() })
-            .unwrap()
+        hull::build(&PointSet::of_positions((0..8).map(corner).collect())).unwrap()
     };
     let (thin, end) = (0.125, 1.0 - 0.125);
     let slabs = [

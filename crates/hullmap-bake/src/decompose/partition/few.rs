@@ -69,8 +69,7 @@ mod tests {
 
     fn points(family: Family, count: usize, map: impl Fn([f32; 3]) -> [f32; 3]) -> Hull {
         let positions: Vec<[f32; 3]> = family.points(count, 3).into_iter().map(map).collect();
-        let source_vertices = (0..positions.len() as u32).collect();
-        hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).unwrap()
+        hull::build(&PointSet::of_positions(positions)).unwrap()
     }
 
     #[test]
@@ -110,8 +109,7 @@ mod tests {
         let mut failed = 0;
         for (size, far) in [(1.0, 0.0), (1.0, 1e3), (1.0, 1e5), (1.0, 1e6), (1e-3, 1e3), (1e-30, 0.0)] {
             let positions: Vec<[f32; 3]> = (0..90).map(|i| ring(i, size, far)).collect();
-            let source_vertices = (0..90).collect();
-            let hull = hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).unwrap();
+            let hull = hull::build(&PointSet::of_positions(positions)).unwrap();
             for max_vertices in [4, 6, 8, 30] {
                 let simplified = simplify::simplify(&hull, Limit::Vertices(max_vertices));
                 failed += u32::from(simplified.is_err());

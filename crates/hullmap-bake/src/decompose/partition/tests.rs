@@ -241,7 +241,7 @@ fn triangle_soups_are_covered() {
         let positions: Vec<[f32; 3]> =
             (0..12).map(|_| [0, 1, 2].map(|_| (far + rng.between(-1.0, 1.0)) as f32)).collect();
         let triangles: Vec<[u32; 3]> = (0..10).map(|_| [0, 1, 2].map(|_| rng.below(12) as u32)).collect();
-        let mesh = PointSet { source_vertices: (0..12).collect(), positions, triangles, ..PointSet::default() };
+        let mesh = PointSet { triangles, ..PointSet::of_positions(positions) };
         let solid = Solid::new(&mesh);
         let limit = 0.05 * solid.diagonal();
         let found = search(&Surface::new(&mesh), &mut Field::new(&solid), &limits(limit, &solid)).unwrap().parts;

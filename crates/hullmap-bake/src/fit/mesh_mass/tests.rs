@@ -7,8 +7,7 @@ use crate::mass::Mass;
 use hullmap_geometry::PointSet;
 
 fn mesh(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> PointSet {
-    let source_vertices = (0..positions.len() as u32).collect();
-    PointSet { positions, source_vertices, triangles, ..PointSet::default() }
+    PointSet { triangles, ..PointSet::of_positions(positions) }
 }
 
 fn block(low: [f32; 3], high: [f32; 3]) -> PointSet {

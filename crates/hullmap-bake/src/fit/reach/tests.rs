@@ -6,7 +6,7 @@ use crate::fit::fits_around;
 use crate::hull::{self, Hull};
 
 fn set(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> PointSet {
-    PointSet { source_vertices: (0..positions.len() as u32).collect(), positions, triangles, ..PointSet::default() }
+    PointSet { triangles, ..PointSet::of_positions(positions) }
 }
 
 fn boxes(boxes: &[([f32; 3], [f32; 3], f32)]) -> PointSet {

@@ -11,8 +11,7 @@ use hullmap_geometry::PointSet;
 
 fn rock() -> Hull {
     let positions = families::rock(300, 3);
-    let source_vertices = (0..300).collect();
-    hull::build(&PointSet { positions, source_vertices, ..PointSet::default() }).unwrap()
+    hull::build(&PointSet::of_positions(positions)).unwrap()
 }
 
 fn prove(hull: &Hull, kind: IndexKind, words: &[u32], blocks: &[Block]) -> Result<Proof, Unproven> {

@@ -82,8 +82,7 @@ mod tests {
     use hullmap_verify::random::SplitMix;
 
     fn warnings(positions: Vec<[f32; 3]>) -> String {
-        let source_vertices = (0..positions.len() as u32).collect();
-        let set = PointSet { name: "cloud".to_owned(), positions, source_vertices, ..PointSet::default() };
+        let set = PointSet { name: "cloud".to_owned(), ..PointSet::of_positions(positions) };
         let bytes = write_pack(&[bake_hull(&set, IndexKind::Tree).unwrap()], &SourceRecord::default()).unwrap();
         let found = remarks(&Pack::from_bytes(&bytes).unwrap(), Vec::new(), None);
         assert!(found.notes.is_empty());

@@ -105,8 +105,7 @@ fn moved(hulls: &[Hull], centre: DVec3) -> Result<Pack, String> {
     let bake = |hull: &Hull| {
         let place = |position: [f32; 3]| (DVec3::from_array(position.map(f64::from)) - centre).as_vec3().to_array();
         let positions: Vec<[f32; 3]> = positions(hull).into_iter().map(place).collect();
-        let source_vertices = (0..positions.len() as u32).collect();
-        let points = PointSet { name: hull.name().to_owned(), positions, source_vertices, ..PointSet::default() };
+        let points = PointSet { name: hull.name().to_owned(), ..PointSet::of_positions(positions) };
         bake_hull(&points, IndexKind::None).map_err(|error| error.to_string())
     };
     let baked: Vec<_> = hulls.iter().map(bake).collect::<Result<_, _>>()?;
