@@ -294,6 +294,9 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
             }
         }
         if let Some(cache) = cache.filter(|_| terms.keeps_polytope()) {
+            if let Some(face) = face.filter(|_| expansion.end == End::Converged) {
+                cache.set_face(face.map(|point| point.features));
+            }
             if !state.encloses || state.out.end == End::Stalled {
                 cache.forget_polytope();
             } else if polytope.point_count <= KEEP {

@@ -159,7 +159,10 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     }
     let enough = best.upper - lower + FOOT_ROUNDINGS * m.noise();
     match witness::points(m, facets, &first.points, pair.error(), dispatch, &best, enough) {
-        Some(points) => [best.point_a, best.point_b] = points,
+        Some((points, face)) => {
+            [best.point_a, best.point_b] = points;
+            cache.set_face(face);
+        }
         // The facets beside the facet of the foot have to be considered, too.
         None => _ = best.search(m, &[], enough),
     }
