@@ -281,6 +281,8 @@ pub struct Manifold {
     points: ArrayVec<ManifoldPoint, MAX_POINTS>,
     normal: DVec3,
     status: Status,
+    /// Of A and of B: see [`Feature::lone_face`].
+    lone_faces: [Option<u32>; 2],
 }
 
 impl ManifoldPoint {
@@ -317,7 +319,7 @@ impl Default for Manifold {
 impl Manifold {
     /// A manifold without points.
     pub const fn new() -> Self {
-        Self { points: ArrayVec::new_const(), normal: DVec3::X, status: Status::Separated }
+        Self { points: ArrayVec::new_const(), normal: DVec3::X, status: Status::Separated, lone_faces: [None; 2] }
     }
 
     /// The points; empty if the shapes are separated by more than the prediction.
@@ -386,7 +388,9 @@ impl Manifold {
         let frame = Frame::new((contact.point_a + contact.point_b) * 0.5, contact.normal);
         let lengths = Lengths { depth, width, prediction, reach };
         let mut features = [Feature::new(), Feature::new()];
+        features.iter_mut().zip(self.lone_faces).for_each(|(feature, face)| feature.set_lone_face(face));
         let mut patch = clipped((a, b, b_in_a), &frame, &lengths, &mut features);
+        self.lone_faces = features.each_ref().map(Feature::lone_face);
         let heights = [depth * 0.5, -depth * 0.5];
         let parts = features.each_ref().map(part);
         let exact = [near.is_within(ON_SURFACE * reach, (a, b, b_in_a)); 2];
@@ -499,7 +503,9 @@ impl Manifold {
 
     /// The best four points in `patch`, preferably last frame's.
     fn choose(&self, patch: &Patch, frame: &Frame, b_in_a: Pose, center: DVec2, lengths: &Lengths) -> Choice {
-        let last = self.present(patch, frame, b_in_a, lengths.reach);
+        // Up to four points are all chosen, whichever were there before.
+        let is_choice = patch.points().len() > MAX_POINTS;
+        let last = if is_choice { self.present(patch, frame, b_in_a, lengths.reach) } else { None };
         select::choose(&patch.spots(), center, lengths.slight(), last)
     }
 

@@ -334,7 +334,11 @@ impl Cache {
         (self.simplex_is_face && self.simplex_count == 3).then_some(self.simplex)
     }
 
-    pub(super) fn set_face(&mut self, corners: [[u32; 2]; 3]) {
+    pub(super) fn forget_face(&mut self) {
+        self.simplex_is_face = false;
+    }
+
+    pub(super) fn keep_face(&mut self, corners: [[u32; 2]; 3]) {
         self.set_simplex(corners);
         self.simplex_is_face = true;
     }

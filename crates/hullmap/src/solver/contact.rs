@@ -27,7 +27,7 @@ use super::answer::Contact;
 use super::bound::{Bound, FOOT_ROUNDINGS};
 use super::cache::Cache;
 use super::epa::{self, EpaSearch, Expansion};
-use super::kept_face::expansion_on_face;
+use super::kept_face::{self, depth_on_kept_face};
 use super::minkowski::{Minkowski, Point, Step};
 use super::mpr::{Found, MprSearch, Until};
 use super::sat;
@@ -141,8 +141,9 @@ impl SteppedQuery for ContactQuery {
         if settings.max_iterations == 0 {
             return None;
         }
-        if let Some(again) = expansion_on_face(m, cache) {
-            return Some(m.contact_from_expansion(&again, tolerance, 0, cache));
+        if let Some(kept_face::Found { bound, lower, features, others }) = depth_on_kept_face(m, cache) {
+            let expanded = Expansion { end: epa::End::Converged, lower, bound, iterations: 1, features, others };
+            return Some(m.contact_from_expansion(&expanded, tolerance, 1, cache));
         }
         let facets = m.facets()?;
         let found =

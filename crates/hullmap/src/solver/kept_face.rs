@@ -18,7 +18,6 @@ use super::answer::deeper;
 use super::barycentric::blend;
 use super::bound::Bound;
 use super::cache::Cache;
-use super::epa::{End, Expansion};
 use super::minkowski::{Minkowski, Point};
 use crate::support::SupportMap;
 
@@ -26,46 +25,88 @@ use crate::support::SupportMap;
 /// penetrating.
 const TINY_ROUNDINGS: f64 = 32.0;
 
-/// The expansion that ends on the face of the last contact; `None` if that is not proven.
-pub(super) fn expansion_on_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+/// Keeps the face with these corners, on which a contact was found, if it would prove the contact
+/// again. Returns whether it does.
+pub(super) fn keep_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    face: [Point; 3],
+    cache: &mut Cache,
+) -> bool {
+    let is_kept = KeptFace::new(m, face).is_some();
+    if is_kept {
+        cache.keep_face(face.map(|corner| corner.features));
+    } else {
+        cache.forget_face();
+    }
+    is_kept
+}
+
+/// A depth that was found on the face of the last contact.
+pub(super) struct Found {
+    pub(super) bound: Bound,
+    pub(super) lower: f64,
+    /// The features of a corner.
+    pub(super) features: [u32; 2],
+    /// Lower bound of the depth along other normals.
+    pub(super) others: f64,
+}
+
+/// The depth on the face of the last contact; `None` if it is not proven.
+///
+/// # Complexity
+/// One support query. No allocation.
+pub(super) fn depth_on_kept_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
     cache: &Cache,
-) -> Option<Expansion> {
+) -> Option<Found> {
     // 1.
     let [p, q, r] = cache.face()?;
     let face = [m.recall(p)?, m.recall(q)?, m.recall(r)?];
-    let [p, q, r] = face.map(|corner| corner.w);
-    let across = (q - p).cross(r - p);
-    let twice_area = across.length();
-    let normal = across / twice_area.copysign(across.dot(p));
-    // The plane's offset is the least of its corners', for rounding.
-    let offset = p.dot(normal).min(q.dot(normal)).min(r.dot(normal));
-    let rounding = m.rounding_error();
-    // NaN takes the failing branch, here and below.
-    if !(offset > TINY_ROUNDINGS * rounding) {
-        return None;
-    }
-    let interval = [offset - m.noise(), offset + 2.0 * rounding];
-    let delta = deeper(interval, m.outer_radius());
     // 3.
-    let (weights, border) = foot([p, q, r], normal, offset)?;
-    if !(border > 0.0 && no_plane_is_nearer(m, normal, offset, border, delta)) {
-        return None;
-    }
+    let KeptFace { normal, offset, weights, delta } = KeptFace::new(m, face)?;
     // 2.
     let upper = m.point(normal).w.dot(normal).max(offset);
-    if !(upper - offset <= rounding) {
+    // NaN takes the failing branch.
+    if !(upper - offset <= m.rounding_error()) {
         return None;
     }
     let (point_a, point_b) = (blend(&weights, face.map(|v| v.a)), blend(&weights, face.map(|v| v.b())));
-    Some(Expansion {
-        end: End::Converged,
-        lower: offset,
+    Some(Found {
         bound: Bound { upper, normal, point_a, point_b },
-        iterations: 1,
+        lower: offset,
         features: Point::first_features(face.iter().map(|point| point.features)),
         others: upper + 4.0 * delta,
     })
+}
+
+/// A face whose disc and whose ball prove that no plane is nearer to the origin.
+struct KeptFace {
+    /// Outward, of unit length.
+    normal: DVec3,
+    offset: f64,
+    /// Weights of the corners at the origin's foot.
+    weights: [f64; 3],
+    delta: f64,
+}
+
+impl KeptFace {
+    #[inline(always)]
+    fn new<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_, A, B>, face: [Point; 3]) -> Option<Self> {
+        let [p, q, r] = face.map(|corner| corner.w);
+        let across = (q - p).cross(r - p);
+        let normal = across / across.length().copysign(across.dot(p));
+        // The least offset of a corner, for rounding.
+        let offset = p.dot(normal).min(q.dot(normal)).min(r.dot(normal));
+        let rounding = m.rounding_error();
+        // NaN takes the failing branch, here and below.
+        if !(offset > TINY_ROUNDINGS * rounding) {
+            return None;
+        }
+        let delta = deeper([offset - m.noise(), offset + 2.0 * rounding], m.outer_radius());
+        let (weights, border) = foot([p, q, r], normal, offset)?;
+        let is_proven = border > 0.0 && no_plane_is_nearer(m, normal, offset, border, delta);
+        is_proven.then_some(Self { normal, offset, weights, delta })
+    }
 }
 
 /// The weights of the corners at the origin's foot on the plane of the face, and how far the border
