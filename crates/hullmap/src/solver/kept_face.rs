@@ -25,20 +25,33 @@ use crate::support::SupportMap;
 /// penetrating.
 const TINY_ROUNDINGS: f64 = 32.0;
 
-/// Keeps the face with these corners, on which a contact was found, if it would prove the contact
-/// again. Returns whether it does.
+/// Depth up to which a face is kept, relative to the outer radii. Few faces of deeper contacts
+/// could be proven.
+const SHALLOW: f64 = 0.05;
+
+/// Keeps the face with these corners, on which a contact of this depth was found, if it proves the
+/// contact. Returns whether it does.
+#[inline(always)]
 pub(super) fn keep_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
-    face: [Point; 3],
+    (depth, corners): (f64, [[u32; 2]; 3]),
     cache: &mut Cache,
 ) -> bool {
-    let is_kept = KeptFace::new(m, face).is_some();
+    let is_kept = depth <= SHALLOW * m.outer_radius() && is_proven_by(m, corners);
     if is_kept {
-        cache.keep_face(face.map(|corner| corner.features));
+        cache.keep_face(corners)
     } else {
-        cache.forget_face();
+        cache.forget_face()
     }
     is_kept
+}
+
+#[inline(never)]
+fn is_proven_by<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    corners: [[u32; 2]; 3],
+) -> bool {
+    KeptFace::recall(m, corners).is_some()
 }
 
 /// A depth that was found on the face of the last contact.
@@ -57,13 +70,10 @@ pub(super) struct Found {
 /// One support query. No allocation.
 pub(super) fn depth_on_kept_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &mut Minkowski<'_, A, B>,
-    cache: &Cache,
+    corners: [[u32; 2]; 3],
 ) -> Option<Found> {
-    // 1.
-    let [p, q, r] = cache.face()?;
-    let face = [m.recall(p)?, m.recall(q)?, m.recall(r)?];
-    // 3.
-    let KeptFace { normal, offset, weights, delta } = KeptFace::new(m, face)?;
+    // 1. and 3.
+    let KeptFace { face, normal, offset, weights, delta } = KeptFace::recall(m, corners)?;
     // 2.
     let upper = m.point(normal).w.dot(normal).max(offset);
     // NaN takes the failing branch.
@@ -81,6 +91,7 @@ pub(super) fn depth_on_kept_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>
 
 /// A face whose disc and whose ball prove that no plane is nearer to the origin.
 struct KeptFace {
+    face: [Point; 3],
     /// Outward, of unit length.
     normal: DVec3,
     offset: f64,
@@ -91,7 +102,11 @@ struct KeptFace {
 
 impl KeptFace {
     #[inline(always)]
-    fn new<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(m: &Minkowski<'_, A, B>, face: [Point; 3]) -> Option<Self> {
+    fn recall<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        m: &Minkowski<'_, A, B>,
+        [p, q, r]: [[u32; 2]; 3],
+    ) -> Option<Self> {
+        let face = [m.recall(p)?, m.recall(q)?, m.recall(r)?];
         let [p, q, r] = face.map(|corner| corner.w);
         let across = (q - p).cross(r - p);
         let normal = across / across.length().copysign(across.dot(p));
@@ -105,7 +120,7 @@ impl KeptFace {
         let delta = deeper([offset - m.noise(), offset + 2.0 * rounding], m.outer_radius());
         let (weights, border) = foot([p, q, r], normal, offset)?;
         let is_proven = border > 0.0 && no_plane_is_nearer(m, normal, offset, border, delta);
-        is_proven.then_some(Self { normal, offset, weights, delta })
+        is_proven.then_some(Self { face, normal, offset, weights, delta })
     }
 }
 

@@ -296,7 +296,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
         }
         if let Some(cache) = cache.filter(|_| terms.keeps_polytope()) {
             if let Some(face) = face.filter(|_| expansion.end == End::Converged) {
-                keep_face(self, face, cache);
+                keep_face(self, (upper, face.map(|point| point.features)), cache);
             }
             if !state.encloses || state.out.end == End::Stalled {
                 cache.forget_polytope();

@@ -163,8 +163,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     match witness::points(m, facets, &first.points, pair.error(), dispatch, &best, enough) {
         Some((points, corners)) => {
             [best.point_a, best.point_b] = points;
-            let [p, q, r] = corners.map(|features| m.recall(features));
-            face = p.zip(q).zip(r).map(|((p, q), r)| [p, q, r]);
+            face = Some(corners);
         }
         // The facets beside the facet of the foot have to be considered, too.
         None => _ = best.search(m, &[], enough),
@@ -173,7 +172,7 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     if !(best.off() <= enough + FOOT_ROUNDINGS * m.rounding_error()) {
         return None;
     }
-    if face.is_some_and(|face| keep_face(m, face, cache)) {
+    if face.is_some_and(|corners| keep_face(m, (best.upper, corners), cache)) {
         cache.forget_axis();
     } else {
         cache.set_axis(best.normal);
