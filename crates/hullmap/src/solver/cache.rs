@@ -288,7 +288,7 @@ impl Cache {
 
     /// Whether a contact could start from nothing, or from the axis of [`Self::from_axis`] alone.
     pub(super) fn is_new(&self) -> bool {
-        (self.axis.is_none() || self.starts_from_axis) && self.point_count == 0
+        (self.axis.is_none() || self.starts_from_axis) && self.point_count == 0 && !self.simplex_is_face
     }
 
     pub(crate) fn set_axis(&mut self, axis: DVec3) {

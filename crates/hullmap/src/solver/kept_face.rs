@@ -29,29 +29,20 @@ const TINY_ROUNDINGS: f64 = 32.0;
 /// could be proven.
 const SHALLOW: f64 = 0.05;
 
-/// Keeps the face with these corners, on which a contact of this depth was found, if it proves the
-/// contact. Returns whether it does.
-#[inline(always)]
+/// Keeps the face with these corners, on which a contact of this depth was found, unless it is too
+/// deep. Returns whether it is kept.
 pub(super) fn keep_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
     (depth, corners): (f64, [[u32; 2]; 3]),
     cache: &mut Cache,
 ) -> bool {
-    let is_kept = depth <= SHALLOW * m.outer_radius() && is_proven_by(m, corners);
+    let is_kept = depth <= SHALLOW * m.outer_radius();
     if is_kept {
         cache.keep_face(corners)
     } else {
         cache.forget_face()
     }
     is_kept
-}
-
-#[inline(never)]
-fn is_proven_by<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
-    m: &Minkowski<'_, A, B>,
-    corners: [[u32; 2]; 3],
-) -> bool {
-    KeptFace::recall(m, corners).is_some()
 }
 
 /// A depth that was found on the face of the last contact.
