@@ -51,6 +51,12 @@ const TURN_RAD: f64 = std::f64::consts::PI / 180.0;
 const CLASSES: [(&str, [f64; 2]); 3] =
     [("penetrating", [0.0, 0.9]), ("near touching", [0.98, 1.02]), ("separated", [1.05, 2.0])];
 
+/// The class of hulls that lie on each other, face on face. The depth and the steps of a path are
+/// fractions of the others.
+const RESTING: &str = "resting";
+const RESTING_DEPTH: f64 = 0.005;
+const RESTING_STEP: f64 = 0.01;
+
 /// A pose of B in A's frame.
 type Placed = (DVec3, DQuat);
 
@@ -93,6 +99,19 @@ macro_rules! version {
                 pub fn diameter(&self) -> f64 {
                     let [a, b] = self.hulls();
                     0.5 * (a.diameter() + b.diameter())
+                }
+
+                /// The middle and the normal of a face of each hull.
+                #[allow(dead_code, reason = "one version finds the poses of both")]
+                pub fn faces(&self, of: [usize; 2]) -> [(DVec3, DVec3); 2] {
+                    let hulls = self.hulls();
+                    [0, 1].map(|side| {
+                        let face = (of[side] % hulls[side].face_count()) as u32;
+                        let corners: Vec<DVec3> =
+                            hulls[side].face(face).filter_map(|v| Some(hulls[side].vertex(v)?.as_dvec3())).collect();
+                        let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+                        (middle, hulls[side].face_normal(face).expect("a solid's face has a normal"))
+                    })
                 }
 
                 #[allow(dead_code, reason = "one version finds the poses of both")]
@@ -148,15 +167,15 @@ version!(here, now, now_bake);
 struct Subject {
     before: before::Pair,
     here: here::Pair,
-    /// For each class, single poses and the frames of paths.
-    placed: [[Vec<Placed>; 2]; 3],
+    /// Of each class: single poses, and the frames of paths.
+    placed: Vec<[Vec<Placed>; 2]>,
 }
 
 impl Subject {
     fn new(family: Family, n: usize, rng: &mut SplitMix64) -> Self {
         let points = [0, 1].map(|index| family.points(n, SEED + index));
         let (before, here) = (before::Pair::new(points.clone()), here::Pair::new(points));
-        let placed = CLASSES.map(|(_, [low, high])| {
+        let mut placed = CLASSES.map(|(_, [low, high])| {
             let middles: Vec<[DVec3; 2]> = (0..POSES)
                 .map(|_| {
                     let rotation = DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize();
@@ -178,9 +197,28 @@ impl Subject {
             };
             let frames = (0..FRAMES).flat_map(|frame| at(frame as f64 - 0.5 * FRAMES as f64));
             [at(0.0), frames.collect()]
-        });
+        })
+        .to_vec();
+        placed.push(resting(&here, rng));
         Self { before, here, placed }
     }
+}
+
+/// Poses face on face, and paths that slide and turn a little.
+fn resting(pair: &here::Pair, rng: &mut SplitMix64) -> [Vec<Placed>; 2] {
+    let faces: Vec<[usize; 2]> = (0..POSES).map(|_| [(); 2].map(|()| rng.next_u64() as usize)).collect();
+    let at = |frame: f64| {
+        let placed = faces.iter().map(|&faces| {
+            let [(on_a, normal), (on_b, facing)] = pair.faces(faces);
+            let turn = DQuat::from_axis_angle(normal, frame * RESTING_STEP * TURN_RAD);
+            let rotation = turn * DQuat::from_rotation_arc(facing, -normal);
+            let side = normal.any_orthonormal_vector() * (frame * RESTING_STEP * STEP);
+            (on_a - rotation * on_b + (side - normal * RESTING_DEPTH) * pair.diameter(), rotation)
+        });
+        placed.collect::<Vec<Placed>>()
+    };
+    let frames = (0..FRAMES).flat_map(|frame| at(frame as f64 - 0.5 * FRAMES as f64));
+    [at(0.0), frames.collect()]
 }
 
 /// The distance of the origins at which the hulls touch, by bisection.
@@ -213,9 +251,10 @@ fn main() -> ExitCode {
         ];
         for ((name, query), class, warm) in queries
             .into_iter()
-            .flat_map(|query| (0..CLASSES.len()).flat_map(move |class| [0, 1].map(|warm| (query, class, warm))))
+            .flat_map(|query| (0..=CLASSES.len()).flat_map(move |class| [0, 1].map(|warm| (query, class, warm))))
         {
-            let name = format!("{name}, {}, {}", CLASSES[class].0, ["cold", "along paths"][warm]);
+            let title = CLASSES.get(class).map_or(RESTING, |(title, _)| title);
+            let name = format!("{name}, {title}, {}", ["cold", "along paths"][warm]);
             if !name.contains(&arguments.only) {
                 continue;
             }

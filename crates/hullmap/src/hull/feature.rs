@@ -130,11 +130,20 @@ const ROUGHNESS: f64 = 1e-6;
 impl Hull<'_> {
     /// [`Shape::feature_within`] and [`Shape::reduced_feature_within`].
     fn facing(&self, dir: DVec3, reach: f64, wanted: Corners, out: &mut Feature) {
-        let facing = unit(dir).and_then(|n| self.face_within(n, reach));
+        let n = unit(dir);
+        if let Some((n, face)) = n.zip(out.lone_face())
+            && self.still_faces(face, n)
+            && self.own_corners(face, wanted, out)
+        {
+            return;
+        }
+        out.set_lone_face(None);
+        let facing = n.and_then(|n| self.face_within(n, reach));
         let Some((face, normal)) = facing else { return self.feature(dir, out) };
         // Support points in all directions near the normal are corners of the face.
         let alone = self.stands_alone(face, normal);
         if alone && self.own_corners(face, wanted, out) {
+            out.set_lone_face(Some(face));
             return;
         }
         let on_face = self.face(face).next().and_then(|vertex| self.vertex(vertex));
@@ -176,6 +185,13 @@ impl Hull<'_> {
         if is_flat {
             out.set_flat();
         }
+    }
+
+    /// Whether a face that [stands alone](Self::stands_alone) is the closest to the unit vector `n`:
+    /// the normals of the faces beside it are tilted from its own by more than [`TILT`].
+    fn still_faces(&self, face: u32, n: DVec3) -> bool {
+        // NaN takes the failing branch.
+        self.face_normal(face).is_some_and(|normal| normal.dot(n) > 0.0 && normal.cross(n).length() <= 0.5 * TILT)
     }
 
     /// Whether every edge that leaves `face` falls by more than [`TILT`], so that the support point

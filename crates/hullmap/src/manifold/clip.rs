@@ -156,31 +156,38 @@ struct Outline {
 
 impl Outline {
     fn new(feature: &Feature, frame: &Frame) -> Self {
-        let mut corners: ArrayVec<Flat, MAX_CORNERS> = feature.corners().iter().map(|c| frame.flattened(c)).collect();
-        let (is_flat, has_exact_corners) = (feature.is_flat(), feature.has_exact_corners());
-        let first = corners.first().copied().unwrap_or_default();
-        let mut area = 0.0;
-        let (mut extent, mut start) = (0.0, first);
-        for (i, c) in corners.iter().enumerate() {
-            let next = &corners[(i + 1) % corners.len()];
-            area += 0.5 * (c.at - first.at).perp_dot(next.at - first.at);
-            if c.at.distance(first.at) > extent {
-                (extent, start) = (c.at.distance(first.at), *c);
+        // Filled in place, since it is large.
+        let mut out = Self {
+            corners: ArrayVec::new(),
+            is_flat: feature.is_flat(),
+            has_exact_corners: feature.has_exact_corners(),
+            area: 0.0,
+            extent: 0.0,
+        };
+        out.corners.extend(feature.corners().iter().map(|c| frame.flattened(c)));
+        let first = out.corners.first().copied().unwrap_or_default();
+        let mut start = first;
+        for (i, c) in out.corners.iter().enumerate() {
+            let next = &out.corners[(i + 1) % out.corners.len()];
+            out.area += 0.5 * (c.at - first.at).perp_dot(next.at - first.at);
+            if c.at.distance(first.at) > out.extent {
+                (out.extent, start) = (c.at.distance(first.at), *c);
             }
         }
-        if area.abs() <= FLAT_AREA * extent * extent {
+        if out.area.abs() <= FLAT_AREA * out.extent * out.extent {
             // An edge from one end to the other, or a vertex.
             let is_farther = |c: &Flat, end: &Flat| c.at.distance(start.at) > end.at.distance(start.at);
-            let end = corners.iter().fold(start, |end, c| if is_farther(c, &end) { *c } else { end });
+            let end = out.corners.iter().fold(start, |end, c| if is_farther(c, &end) { *c } else { end });
             // The line between two corners of a steep face is on it, but may be below its top.
-            let is_flat = is_flat && corners.len() <= 2;
-            corners = [start, end].into_iter().take(if extent > 0.0 { 2 } else { 1 }).collect();
-            return Self { corners, is_flat, has_exact_corners, area: 0.0, extent };
+            out.is_flat &= out.corners.len() <= 2;
+            out.corners.clear();
+            out.corners.extend([start, end].into_iter().take(if out.extent > 0.0 { 2 } else { 1 }));
+            out.area = 0.0;
+        } else if out.area < 0.0 {
+            out.corners.reverse();
+            out.area = -out.area;
         }
-        if area < 0.0 {
-            corners.reverse();
-        }
-        Self { corners, is_flat, has_exact_corners, area: area.abs(), extent }
+        out
     }
 
     fn corners(&self) -> &[Flat] {
@@ -395,10 +402,10 @@ fn edges(a: &Outline, b: &Outline, out: &mut Patch) {
 /// Clips `incident` by the sides of `reference` (Sutherland-Hodgman).
 fn clip([incident, reference]: [&Outline; 2], reference_is_a: bool, reach: f64, out: &mut Patch) {
     let sides = reference.corners();
-    let mut polygons = [const { ArrayVec::<Clipped, MAX_POINTS>::new_const() }; 2];
+    // Two variables: an array of both would be filled with zeros.
+    let (mut from, mut to) = (ArrayVec::<Clipped, MAX_POINTS>::new(), ArrayVec::new());
     // Exchanged after each side, as references: the arrays are large.
-    let [from, to] = &mut polygons;
-    let (mut polygon, mut kept) = (from, to);
+    let (mut polygon, mut kept) = (&mut from, &mut to);
     for (i, c) in incident.corners().iter().enumerate() {
         let next = &incident.corners()[(i + 1) % incident.corners().len()];
         let edge = pair(c.vertex, next.vertex);

@@ -115,18 +115,20 @@ impl Manifold {
             patch.put(place(b_in_a.inverse().transform_point(contact.point_b), part(&feature)));
         }
         let center = frame.projected(b_in_a.transform_point(b.interior_point()));
-        let mut choice = self.choose(&patch, &frame, b_in_a, center, &lengths);
-        if tips(&choice, &patch, center, &lengths) {
+        let mut spots = patch.spots();
+        let mut choice = self.choose((&patch, &spots), &frame, b_in_a, center, &lengths);
+        if tips(&choice, &spots, center, &lengths) {
             let toward = b_in_a.inverse_transform_vector(frame.vector(center - middle(&choice, &patch)));
             for SupportPoint { point, feature } in farther_out(b, dir, toward, &lengths) {
                 add(&mut patch, Corner { point, vertex: feature }, true);
             }
-            choice = self.choose(&patch, &frame, b_in_a, center, &lengths);
+            spots = patch.spots();
+            choice = self.choose((&patch, &spots), &frame, b_in_a, center, &lengths);
         }
         let choice = if is_new {
-            choice.with_exact_deepest(&patch.spots(), center, lengths.slight())
+            choice.with_exact_deepest(&spots, center, lengths.slight())
         } else {
-            choice.with_deepest(&patch.spots(), lengths.slight() - (depth - patch.deepest()).max(0.0))
+            choice.with_deepest(&spots, lengths.slight() - (depth - patch.deepest()).max(0.0))
         };
         self.replace(&patch, choice, &frame, b_in_a, &lengths);
         self.status = if contact.hit { contact.status } else { Status::Exact };

@@ -54,7 +54,7 @@ use clip::{FACE, Frame, Part, Patch, PatchPoint, meet, nearest_on};
 use glam::{DVec2, DVec3};
 use matching::{Likeness, match_points};
 use near::{Near, near_contact};
-use select::{Choice, SAME_PLACE, SLIGHT};
+use select::{Choice, SAME_PLACE, SLIGHT, Spot};
 use std::fmt;
 use surface::{settle, witness};
 
@@ -281,6 +281,8 @@ pub struct Manifold {
     points: ArrayVec<ManifoldPoint, MAX_POINTS>,
     normal: DVec3,
     status: Status,
+    /// Of A and of B: see [`Feature::lone_face`].
+    lone_faces: [Option<u32>; 2],
 }
 
 impl ManifoldPoint {
@@ -317,7 +319,7 @@ impl Default for Manifold {
 impl Manifold {
     /// A manifold without points.
     pub const fn new() -> Self {
-        Self { points: ArrayVec::new_const(), normal: DVec3::X, status: Status::Separated }
+        Self { points: ArrayVec::new_const(), normal: DVec3::X, status: Status::Separated, lone_faces: [None; 2] }
     }
 
     /// The points; empty if the shapes are separated by more than the prediction.
@@ -386,7 +388,10 @@ impl Manifold {
         let frame = Frame::new((contact.point_a + contact.point_b) * 0.5, contact.normal);
         let lengths = Lengths { depth, width, prediction, reach };
         let mut features = [Feature::new(), Feature::new()];
-        let mut patch = clipped((a, b, b_in_a), &frame, &lengths, &mut features);
+        features.iter_mut().zip(self.lone_faces).for_each(|(feature, face)| feature.set_lone_face(face));
+        let mut patch = Patch::default();
+        clipped((a, b, b_in_a), &frame, &lengths, &mut features, &mut patch);
+        self.lone_faces = features.each_ref().map(Feature::lone_face);
         let heights = [depth * 0.5, -depth * 0.5];
         let parts = features.each_ref().map(part);
         let exact = [near.is_within(ON_SURFACE * reach, (a, b, b_in_a)); 2];
@@ -395,11 +400,12 @@ impl Manifold {
             patch.push(point);
         }
         let center = center((a, b, b_in_a), &frame);
-        let mut choice = self.choose(&patch, &frame, b_in_a, center, &lengths);
-        if tips(&choice, &patch, center, &lengths) {
+        let spots = patch.spots();
+        let mut choice = self.choose((&patch, &spots), &frame, b_in_a, center, &lengths);
+        if tips(&choice, &spots, center, &lengths) {
             let from = middle(&choice, &patch);
             widen((a, b, b_in_a), &mut patch, [from, center - from], (&frame, &features), &lengths);
-            choice = self.choose(&patch, &frame, b_in_a, center, &lengths);
+            choice = self.choose((&patch, &patch.spots()), &frame, b_in_a, center, &lengths);
         }
         choice = settled((a, b, b_in_a), &mut patch, choice, (&frame, &features), &lengths);
         // Between the corners of a feature that is not flat, the surface may be less deep.
@@ -442,7 +448,8 @@ impl Manifold {
         let frame = Frame::new(corner_b.point, normal);
         let lengths = Lengths { depth, width: 0.0, prediction, reach };
         let mut features = [Feature::new(), Feature::new()];
-        let mut patch = clipped((a, b, b_in_a), &frame, &lengths, &mut features);
+        let mut patch = Patch::default();
+        clipped((a, b, b_in_a), &frame, &lengths, &mut features, &mut patch);
         if depth > patch.deepest() + lengths.slight() {
             // The support point of a curved surface may be over the other body's face, but no
             // corner.
@@ -452,7 +459,8 @@ impl Manifold {
             over(feature_a, (&corner_b, Body::B)).or_else(on_a).into_iter().for_each(|point| patch.push(point));
             patch.retain(|p| p.depth() >= -prediction);
         }
-        let choice = self.choose(&patch, &frame, b_in_a, center((a, b, b_in_a), &frame), &lengths);
+        let center = center((a, b, b_in_a), &frame);
+        let choice = self.choose((&patch, &patch.spots()), &frame, b_in_a, center, &lengths);
         let choice = settled((a, b, b_in_a), &mut patch, choice, (&frame, &features), &lengths);
         self.replace(&patch, choice, &frame, b_in_a, &lengths);
     }
@@ -497,10 +505,19 @@ impl Manifold {
         self.replace(&patch, choice, &frame, b_in_a, &lengths);
     }
 
-    /// The best four points in `patch`, preferably last frame's.
-    fn choose(&self, patch: &Patch, frame: &Frame, b_in_a: Pose, center: DVec2, lengths: &Lengths) -> Choice {
-        let last = self.present(patch, frame, b_in_a, lengths.reach);
-        select::choose(&patch.spots(), center, lengths.slight(), last)
+    /// The best four points of `patch`, preferably last frame's. `spots` are the points.
+    fn choose(
+        &self,
+        (patch, spots): (&Patch, &[Spot]),
+        frame: &Frame,
+        b_in_a: Pose,
+        center: DVec2,
+        lengths: &Lengths,
+    ) -> Choice {
+        // Up to four points are all chosen, whichever were there before.
+        let is_choice = patch.points().len() > MAX_POINTS;
+        let last = if is_choice { self.present(patch, frame, b_in_a, lengths.reach) } else { None };
+        select::choose(spots, center, lengths.slight(), last)
     }
 
     /// Last frame's points, if all of them are in `patch`.
@@ -603,22 +620,22 @@ impl Lengths {
 }
 
 /// The points within the prediction where the features that face each other along the normal of
-/// `frame` overlap. Writes the features of A and of B, in A's frame.
+/// `frame` overlap, into `patch`. Writes the features of A and of B, in A's frame.
 fn clipped<A: Shape + ?Sized, B: Shape + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     frame: &Frame,
     lengths: &Lengths,
     features: &mut [Feature; 2],
-) -> Patch {
+    patch: &mut Patch,
+) {
     let (normal, prediction) = (frame.normal, lengths.prediction);
     let [on_a, on_b] = features;
     let dir_b = b_in_a.inverse_transform_vector(-normal);
     a.reduced_feature_within(normal, prediction, on_a);
     b.reduced_feature_within(dir_b, prediction, on_b);
     place(on_b, b_in_a);
-    let mut patch = Patch::default();
     // Each round replaces a reduced feature by the whole one.
-    while let Some(wanted) = meet([on_a, on_b], frame, lengths.reach, &mut patch) {
+    while let Some(wanted) = meet([on_a, on_b], frame, lengths.reach, patch) {
         if wanted == Body::A {
             a.feature_within(normal, prediction, on_a);
             on_a.set_whole();
@@ -633,7 +650,6 @@ fn clipped<A: Shape + ?Sized, B: Shape + ?Sized>(
     for point in patch.points_mut().iter_mut().filter(|point| !point.is_moved) {
         point.exact = [point.exact[0] || flat_a, point.exact[1] || flat_b];
     }
-    patch
 }
 
 /// Whether a feature that is not marked as flat is a face of `shape` at `pose`, not steep against
@@ -671,10 +687,9 @@ fn center<A: Shape + ?Sized, B: Shape + ?Sized>((a, b, b_in_a): (&A, &B, Pose), 
 
 /// Whether the smaller body tips on the chosen points: its centre is not over them, and not close
 /// to one of them, as a ball's centre is.
-fn tips(choice: &Choice, patch: &Patch, center: DVec2, lengths: &Lengths) -> bool {
-    let spots = patch.spots();
+fn tips(choice: &Choice, spots: &[Spot], center: DVec2, lengths: &Lengths) -> bool {
     let is_close = |i: &usize| spots[*i].at.distance(center) <= BALANCED * lengths.reach;
-    !choice.is_below(&spots, center) && !choice.indices().iter().any(is_close)
+    !choice.is_below(spots, center) && !choice.indices().iter().any(is_close)
 }
 
 /// The mean of the chosen points.

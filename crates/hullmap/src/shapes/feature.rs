@@ -110,12 +110,14 @@ pub struct Feature {
     is_reduced: bool,
     is_flat: bool,
     is_rounded: bool,
+    /// See [`Self::lone_face`].
+    lone_face: Option<u32>,
 }
 
 impl Feature {
     /// A feature without corners.
     pub const fn new() -> Self {
-        Self { corners: ArrayVec::new_const(), is_reduced: false, is_flat: false, is_rounded: false }
+        Self { corners: ArrayVec::new_const(), is_reduced: false, is_flat: false, is_rounded: false, lone_face: None }
     }
 
     /// Whether corners were left out to save time.
@@ -157,6 +159,18 @@ impl Feature {
     /// Forgets that corners were left out: whatever a shape returns as its whole feature is final.
     pub(crate) fn set_whole(&mut self) {
         self.is_reduced = false;
+    }
+
+    /// The face of a hull that the feature was, if no face beside it could be merged into it. A
+    /// manifold keeps it, so that the hull need not look for the face again while it faces the same
+    /// way. [`clear`](Self::clear) leaves it.
+    pub(crate) fn lone_face(&self) -> Option<u32> {
+        self.lone_face
+    }
+
+    /// See [`Self::lone_face`].
+    pub(crate) fn set_lone_face(&mut self, face: Option<u32>) {
+        self.lone_face = face;
     }
 
     /// The corners, in order around the feature.

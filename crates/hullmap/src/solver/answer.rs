@@ -119,7 +119,7 @@ impl Contact {
 }
 
 /// [`Contact::deeper`] for this interval of the depth.
-fn deeper([lower, upper]: [f64; 2], outer_radii: f64) -> f64 {
+pub(super) fn deeper([lower, upper]: [f64; 2], outer_radii: f64) -> f64 {
     (DEEPER * outer_radii).max(WIDTHS * (upper - lower))
 }
 

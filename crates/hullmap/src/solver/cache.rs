@@ -64,6 +64,8 @@ pub struct Cache {
     portal: Option<[[u32; 2]; 3]>,
     simplex: [[u32; 2]; 3],
     simplex_count: u8,
+    /// The simplex is the face of a contact.
+    simplex_is_face: bool,
     /// There is no simplex yet, so GJK starts from the support point along the axis.
     starts_from_axis: bool,
     point_count: u8,
@@ -131,6 +133,7 @@ impl Default for Cache {
             portal: None,
             simplex: [[0; 2]; 3],
             simplex_count: 0,
+            simplex_is_face: false,
             point_count: 0,
             face_count: 0,
             scratch: Lent::default(),
@@ -202,7 +205,7 @@ impl Cache {
         self.starts_from_axis = false;
         self.forget_axis();
         self.portal = None;
-        self.simplex_count = 0;
+        (self.simplex_count, self.simplex_is_face) = (0, false);
         self.forget_polytope();
         if let Some(parts) = &mut self.parts {
             parts.clear();
@@ -244,6 +247,7 @@ impl Cache {
     pub(crate) fn copy_from(&mut self, other: &Self) {
         (self.axis, self.portal, self.simplex) = (other.axis, other.portal, other.simplex);
         (self.simplex_count, self.starts_from_axis) = (other.simplex_count, other.starts_from_axis);
+        self.simplex_is_face = other.simplex_is_face;
         (self.point_count, self.face_count) = (0, 0);
         if let Some(polytope) = other.polytope.as_ref().filter(|_| other.point_count > 0) {
             let own = self.polytope.get_or_insert(Polytope::EMPTY);
@@ -284,7 +288,7 @@ impl Cache {
 
     /// Whether a contact could start from nothing, or from the axis of [`Self::from_axis`] alone.
     pub(super) fn is_new(&self) -> bool {
-        (self.axis.is_none() || self.starts_from_axis) && self.point_count == 0
+        (self.axis.is_none() || self.starts_from_axis) && self.point_count == 0 && !self.simplex_is_face
     }
 
     pub(crate) fn set_axis(&mut self, axis: DVec3) {
@@ -317,11 +321,26 @@ impl Cache {
     /// Stores up to three vertices. The centre is left out, since every query computes it.
     #[inline]
     pub(crate) fn set_simplex(&mut self, vertices: impl IntoIterator<Item = [u32; 2]>) {
+        self.simplex_is_face = false;
         self.simplex_count = 0;
         for features in vertices.into_iter().filter(|features| *features != Point::CENTER).take(3) {
             self.simplex[usize::from(self.simplex_count)] = features;
             self.simplex_count += 1;
         }
+    }
+
+    /// The corners of the last contact's face, if it had one.
+    pub(super) fn face(&self) -> Option<[[u32; 2]; 3]> {
+        (self.simplex_is_face && self.simplex_count == 3).then_some(self.simplex)
+    }
+
+    pub(super) fn forget_face(&mut self) {
+        self.simplex_is_face = false;
+    }
+
+    pub(super) fn keep_face(&mut self, corners: [[u32; 2]; 3]) {
+        self.set_simplex(corners);
+        self.simplex_is_face = true;
     }
 
     pub(super) fn polytope(&self) -> Option<CachedPolytope<'_>> {

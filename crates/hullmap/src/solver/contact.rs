@@ -27,6 +27,7 @@ use super::answer::Contact;
 use super::bound::{Bound, FOOT_ROUNDINGS};
 use super::cache::Cache;
 use super::epa::{self, EpaSearch, Expansion};
+use super::kept_face::{self, depth_on_kept_face};
 use super::minkowski::{Minkowski, Point, Step};
 use super::mpr::{Found, MprSearch, Until};
 use super::sat;
@@ -140,6 +141,11 @@ impl SteppedQuery for ContactQuery {
         if settings.max_iterations == 0 {
             return None;
         }
+        if let Some(face) = cache.face()
+            && let Some(found) = m.contact_on_kept_face(face, tolerance, cache)
+        {
+            return Some(found);
+        }
         let facets = m.facets()?;
         let found =
             if sat::pays(m, &facets, cache) { sat::contact(m, facets, tolerance, cache)? } else { return None };
@@ -241,6 +247,15 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, Contac
 }
 
 impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
+    /// The contact on the face of the last one. Not inlined, since few of deep pairs have such a
+    /// face.
+    #[inline(never)]
+    fn contact_on_kept_face(&mut self, face: [[u32; 2]; 3], tolerance: f64, cache: &mut Cache) -> Option<Contact> {
+        let kept_face::Found { bound, lower, features, others } = depth_on_kept_face(self, face)?;
+        let expanded = Expansion { end: epa::End::Converged, lower, bound, iterations: 1, features, others };
+        Some(self.contact_from_expansion(&expanded, tolerance, 1, cache))
+    }
+
     /// The contact that follows from the outcome of EPA.
     fn contact_from_expansion(
         &self,

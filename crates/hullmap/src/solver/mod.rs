@@ -42,6 +42,7 @@ mod epa;
 mod exact_ray;
 mod gjk;
 mod intersection;
+mod kept_face;
 mod line;
 mod long_accumulator;
 pub(crate) mod minkowski;

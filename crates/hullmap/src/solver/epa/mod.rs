@@ -43,6 +43,7 @@ use self::search::{KEEP, Next, State};
 use crate::solver::answer::beside;
 use crate::solver::bound::{Bound, FOOT_ROUNDINGS};
 use crate::solver::cache::{Cache, CachedPolytope};
+use crate::solver::kept_face::keep_face;
 use crate::solver::minkowski::{Minkowski, Point, Step};
 use crate::solver::scratch::{Big, Biggest, Medium, SIZES, Scratch, Workspace, cleared};
 use crate::solver::status::Overlap;
@@ -294,6 +295,9 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Minkowski<'_, A, B> {
             }
         }
         if let Some(cache) = cache.filter(|_| terms.keeps_polytope()) {
+            if let Some(face) = face.filter(|_| expansion.end == End::Converged) {
+                keep_face(self, (upper, face.map(|point| point.features)), cache);
+            }
             if !state.encloses || state.out.end == End::Stalled {
                 cache.forget_polytope();
             } else if polytope.point_count <= KEEP {

@@ -33,6 +33,7 @@ use self::first_pass::{Arc, FacetPair, FirstPass, threshold};
 use super::answer::Contact;
 use super::bound::{Bound, FOOT_ROUNDINGS, SAME_NORMAL};
 use super::cache::Cache;
+use super::kept_face::keep_face;
 use super::minkowski::{Minkowski, Point};
 use super::status::Status;
 use crate::facets::table::{NORMAL_BLOCKS, POINT_BLOCKS};
@@ -158,8 +159,12 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
         features[0] = Point::CENTER[0];
     }
     let enough = best.upper - lower + FOOT_ROUNDINGS * m.noise();
+    let mut face = None;
     match witness::points(m, facets, &first.points, pair.error(), dispatch, &best, enough) {
-        Some(points) => [best.point_a, best.point_b] = points,
+        Some((points, corners)) => {
+            [best.point_a, best.point_b] = points;
+            face = Some(corners);
+        }
         // The facets beside the facet of the foot have to be considered, too.
         None => _ = best.search(m, &[], enough),
     }
@@ -167,7 +172,11 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     if !(best.off() <= enough + FOOT_ROUNDINGS * m.rounding_error()) {
         return None;
     }
-    cache.set_axis(best.normal);
+    if face.is_some_and(|corners| keep_face(m, (best.upper, corners), cache)) {
+        cache.forget_axis();
+    } else {
+        cache.set_axis(best.normal);
+    }
     let found = Contact {
         hit: true,
         status,

@@ -30,11 +30,12 @@ const MAX_IN_PLANE: usize = 16;
 struct Feature {
     /// In A's frame. B's points are mirrored, so that sums are points of the difference.
     points: [DVec3; MAX_IN_PLANE],
+    vertices: [u32; MAX_IN_PLANE],
     count: usize,
 }
 
 impl Feature {
-    const EMPTY: Self = Self { points: [DVec3::ZERO; MAX_IN_PLANE], count: 0 };
+    const EMPTY: Self = Self { points: [DVec3::ZERO; MAX_IN_PLANE], vertices: [0; MAX_IN_PLANE], count: 0 };
 
     /// Collects the vertices that are within `slack` of the farthest one along the unit vector
     /// `dir`, of those in the mask `near`. `None` if there is none, or if there are too many.
@@ -54,6 +55,7 @@ impl Feature {
             let point = facets.vertex(vertex)?;
             let height = point.dot(dir);
             *self.points.get_mut(found)? = point;
+            self.vertices[found] = vertex as u32;
             heights[found] = height;
             farthest = if height > farthest { height } else { farthest };
             found += 1;
@@ -62,6 +64,7 @@ impl Feature {
         for (i, height) in heights.iter().enumerate().take(found) {
             if *height >= farthest - slack {
                 self.points[self.count] = place(self.points[i]);
+                self.vertices[self.count] = self.vertices[i];
                 self.count += 1;
             }
         }
@@ -77,34 +80,47 @@ impl Feature {
         dir: DVec3,
         slack: f64,
         place: impl Fn(DVec3) -> DVec3,
-    ) -> Option<[DVec3; 2]> {
+    ) -> Option<[(DVec3, u32); 2]> {
         let mut vertices = near.iter().take_while(|vertex| *vertex < facets.vertex_count());
-        let (p, q) = (facets.vertex(vertices.next()?)?, facets.vertex(vertices.next()?)?);
+        let (first, second) = (vertices.next()?, vertices.next()?);
+        let (p, q) = (facets.vertex(first)?, facets.vertex(second)?);
         // NaN takes the failing branch.
-        ((p.dot(dir) - q.dot(dir)).abs() <= slack && vertices.next().is_none()).then(|| [place(p), place(q)])
+        ((p.dot(dir) - q.dot(dir)).abs() <= slack && vertices.next().is_none())
+            .then(|| [(place(p), first as u32), (place(q), second as u32)])
     }
 
-    fn all(&self) -> &[DVec3] {
-        self.points.get(..self.count).unwrap_or_default()
+    fn at(&self, index: usize) -> (DVec3, u32) {
+        (self.points[index], self.vertices[index])
     }
 
-    fn lowest(&self, dir: DVec3) -> DVec3 {
+    fn lowest(&self, dir: DVec3) -> (DVec3, u32) {
         let points = self.points.iter().take(self.count);
-        let mut best = (f64::INFINITY, self.points[0]);
-        for point in points {
+        let mut best = (f64::INFINITY, 0);
+        for (index, point) in points.enumerate() {
             let height = point.dot(dir);
             if height < best.0 {
-                best = (height, *point);
+                best = (height, index);
             }
         }
-        best.1
+        self.at(best.1)
     }
 }
 
+/// The witness points of A and B, and the sums of vertices that they are combined from.
+pub(super) type Witness = ([DVec3; 2], [[u32; 2]; 3]);
+
+/// The sum of a vertex of A and a mirrored one of B, less the foot.
 #[derive(Clone, Copy)]
 struct Sum {
     off: DVec3,
     a: DVec3,
+    vertices: [u32; 2],
+}
+
+impl Sum {
+    fn new((a, on_a): (DVec3, u32), (b, on_b): (DVec3, u32), foot: DVec3) -> Self {
+        Self { off: (a + b) - foot, a, vertices: [on_a, on_b] }
+    }
 }
 
 /// The parameters s and t from 0 to 1 at which p + s u + t v is closest to the origin; `None` if
@@ -146,7 +162,7 @@ pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: us
     dispatch: Dispatch,
     &Bound { upper: depth, normal, .. }: &Bound,
     enough: f64,
-) -> Option<[DVec3; 2]> {
+) -> Option<Witness> {
     let slack = PLANE_ROUNDINGS * m.rounding_error() + 4.0 * (a.slack() + b.slack());
     let dirs = [normal, m.rotation().transpose() * -normal];
     let margin = (slack + 2.0 * error) as f32;
@@ -157,19 +173,22 @@ pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: us
     let foot = normal * depth;
     if let Some([a0, a1]) = Feature::edge(a, pass.near[1], dirs[0], slack, |point| point)
         && let Some([b0, b1]) = Feature::edge(b, pass.near[0], dirs[1], slack, place)
-        && let Some([s, t]) = crossing(a0 + b0 - foot, a1 - a0, b1 - b0)
+        && let ([u, v], [w, x]) = ([a0.0, a1.0], [b0.0, b1.0])
+        && let Some([s, t]) = crossing(u + w - foot, v - u, x - w)
     {
-        let (on_a, on_b) = (a0 + (a1 - a0) * s, b0 + (b1 - b0) * t);
+        let (on_a, on_b) = (u + (v - u) * s, w + (x - w) * t);
         if (on_a + on_b - foot).length() <= enough {
-            return Some([on_a, -on_b]);
+            // The half of the parallelogram that the foot is in.
+            let near = if s + t < 1.0 { [a0.1, b0.1] } else { [a1.1, b1.1] };
+            return Some(([on_a, -on_b], [near, [a0.1, b1.1], [a1.1, b0.1]]));
         }
     }
     let (mut on_a, mut on_b) = (Feature::EMPTY, Feature::EMPTY);
     on_a.collect(a, pass.near[1], dirs[0], slack, |point| point)?;
     on_b.collect(b, pass.near[0], dirs[1], slack, place)?;
-    let triangle = match (on_a.all(), on_b.all()) {
-        ([p, q, r], [other]) => Some([*p, *q, *r].map(|a| Sum { off: (a + *other) - foot, a })),
-        ([a], [p, q, r]) => Some([*p, *q, *r].map(|other| Sum { off: (*a + other) - foot, a: *a })),
+    let triangle = match (on_a.count, on_b.count) {
+        (3, 1) => Some([0, 1, 2].map(|corner| Sum::new(on_a.at(corner), on_b.at(0), foot))),
+        (1, 3) => Some([0, 1, 2].map(|corner| Sum::new(on_a.at(0), on_b.at(corner), foot))),
         _ => None,
     };
     if let Some(triangle) = triangle {
@@ -184,11 +203,8 @@ pub(super) fn points<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: us
 }
 
 /// Step 3: the points of A and B of which the difference is the foot, to within `enough`.
-fn nearest(on_a: &Feature, on_b: &Feature, foot: DVec3, enough: f64) -> Option<[DVec3; 2]> {
-    let sum = |dir: DVec3| {
-        let a = on_a.lowest(dir);
-        Sum { off: (a + on_b.lowest(dir)) - foot, a }
-    };
+fn nearest(on_a: &Feature, on_b: &Feature, foot: DVec3, enough: f64) -> Option<Witness> {
+    let sum = |dir: DVec3| Sum::new(on_a.lowest(dir), on_b.lowest(dir), foot);
     let mut simplex = [sum(DVec3::ZERO); 3];
     let (mut weights, mut at) = ([1.0, 0.0, 0.0], simplex[0].off);
     for _ in 0..MAX_STEPS {
@@ -227,12 +243,12 @@ fn nearest(on_a: &Feature, on_b: &Feature, foot: DVec3, enough: f64) -> Option<[
     (at.length() <= enough).then(|| combined(&simplex, weights, foot))
 }
 
-fn combined(simplex: &[Sum; 3], weights: [f64; 3], foot: DVec3) -> [DVec3; 2] {
+fn combined(simplex: &[Sum; 3], weights: [f64; 3], foot: DVec3) -> Witness {
     let mut point_a = DVec3::ZERO;
     let mut off = DVec3::ZERO;
     for (sum, weight) in simplex.iter().zip(weights) {
         point_a += sum.a * weight;
         off += sum.off * weight;
     }
-    [point_a, point_a - (foot + off)]
+    ([point_a, point_a - (foot + off)], simplex.map(|sum| sum.vertices))
 }

@@ -1,0 +1,156 @@
+//! The contact on the face of the last one: proven again by one support query.
+//!
+//! # Steps
+//! 1. Recall the corners of the face under the new pose.
+//! 2. The support point along its normal bounds the depth from above. It has to be in the plane.
+//! 3. The origin's foot has to be inside the face, at least ρ from its border. The disc of this
+//!    radius around the foot and the ball around the interior points are in the difference. If each
+//!    direction has a point of one of them that is as far as the plane, no plane is nearer.
+//!
+//! docs/contributors/intervals.md, section 12, proves the bound. The face is a triangle of the
+//! polytope of EPA, or three of the sums of vertices with which SAT has made the witness points.
+
+#![forbid(unsafe_code)]
+
+use glam::DVec3;
+
+use super::answer::deeper;
+use super::barycentric::blend;
+use super::bound::Bound;
+use super::cache::Cache;
+use super::minkowski::{Minkowski, Point};
+use crate::support::SupportMap;
+
+/// Depths up to this many rounding errors are left to EPA, which distinguishes touching from
+/// penetrating.
+const TINY_ROUNDINGS: f64 = 32.0;
+
+/// Depth up to which a face is kept, relative to the outer radii. Few faces of deeper contacts
+/// could be proven.
+const SHALLOW: f64 = 0.05;
+
+/// Keeps the face with these corners, on which a contact of this depth was found, unless it is too
+/// deep. Returns whether it is kept.
+pub(super) fn keep_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    (depth, corners): (f64, [[u32; 2]; 3]),
+    cache: &mut Cache,
+) -> bool {
+    let is_kept = depth <= SHALLOW * m.outer_radius();
+    if is_kept {
+        cache.keep_face(corners)
+    } else {
+        cache.forget_face()
+    }
+    is_kept
+}
+
+/// A depth that was found on the face of the last contact.
+pub(super) struct Found {
+    pub(super) bound: Bound,
+    pub(super) lower: f64,
+    /// The features of a corner.
+    pub(super) features: [u32; 2],
+    /// Lower bound of the depth along other normals.
+    pub(super) others: f64,
+}
+
+/// The depth on the face of the last contact; `None` if it is not proven.
+///
+/// # Complexity
+/// One support query. No allocation.
+pub(super) fn depth_on_kept_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &mut Minkowski<'_, A, B>,
+    corners: [[u32; 2]; 3],
+) -> Option<Found> {
+    // 1. and 3.
+    let KeptFace { face, normal, offset, weights, delta } = KeptFace::recall(m, corners)?;
+    // 2.
+    let upper = m.point(normal).w.dot(normal).max(offset);
+    // NaN takes the failing branch.
+    if !(upper - offset <= m.rounding_error()) {
+        return None;
+    }
+    let (point_a, point_b) = (blend(&weights, face.map(|v| v.a)), blend(&weights, face.map(|v| v.b())));
+    Some(Found {
+        bound: Bound { upper, normal, point_a, point_b },
+        lower: offset,
+        features: Point::first_features(face.iter().map(|point| point.features)),
+        others: upper + 4.0 * delta,
+    })
+}
+
+/// A face whose disc and whose ball prove that no plane is nearer to the origin.
+struct KeptFace {
+    face: [Point; 3],
+    /// Outward, of unit length.
+    normal: DVec3,
+    offset: f64,
+    /// Weights of the corners at the origin's foot.
+    weights: [f64; 3],
+    delta: f64,
+}
+
+impl KeptFace {
+    #[inline(always)]
+    fn recall<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+        m: &Minkowski<'_, A, B>,
+        [p, q, r]: [[u32; 2]; 3],
+    ) -> Option<Self> {
+        let face = [m.recall(p)?, m.recall(q)?, m.recall(r)?];
+        let [p, q, r] = face.map(|corner| corner.w);
+        let across = (q - p).cross(r - p);
+        let normal = across / across.length().copysign(across.dot(p));
+        // The least offset of a corner, for rounding.
+        let offset = p.dot(normal).min(q.dot(normal)).min(r.dot(normal));
+        let rounding = m.rounding_error();
+        // NaN takes the failing branch, here and below.
+        if !(offset > TINY_ROUNDINGS * rounding) {
+            return None;
+        }
+        let delta = deeper([offset - m.noise(), offset + 2.0 * rounding], m.outer_radius());
+        let (weights, border) = foot([p, q, r], normal, offset)?;
+        let is_proven = border > 0.0 && no_plane_is_nearer(m, normal, offset, border, delta);
+        is_proven.then_some(Self { face, normal, offset, weights, delta })
+    }
+}
+
+/// The weights of the corners at the origin's foot on the plane of the face, and how far the border
+/// is from there. `None` if the foot is outside.
+fn foot(corners: [DVec3; 3], normal: DVec3, offset: f64) -> Option<([f64; 3], f64)> {
+    let foot = normal * offset;
+    let [p, q, r] = corners.map(|corner| corner - foot);
+    let sides = [(q, r), (r, p), (p, q)];
+    let areas = sides.map(|(s, t)| s.cross(t).dot(normal));
+    let sum = areas[0] + areas[1] + areas[2];
+    let weights = areas.map(|area| area / sum);
+    if !weights.iter().all(|weight| *weight >= 0.0) {
+        return None;
+    }
+    let mut border = f64::INFINITY;
+    for ((s, t), area) in sides.into_iter().zip(areas) {
+        border = border.min(area * area / s.distance_squared(t));
+    }
+    Some((weights, border.sqrt()))
+}
+
+/// Whether each unit vector at an angle φ from `normal` has a support value of at least
+/// d + δ (1 − cos φ), where d is the offset of the plane.
+fn no_plane_is_nearer<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    m: &Minkowski<'_, A, B>,
+    normal: DVec3,
+    offset: f64,
+    border: f64,
+    delta: f64,
+) -> bool {
+    let (height, center) = (offset + delta, m.center_point().w);
+    // The disc is enough up to this angle.
+    let (square, border_sq) = (height * height, border * border);
+    let sum = square + border_sq;
+    let (cosine, sine) = ((square - border_sq) / sum, 2.0 * height * border / sum);
+    // Beyond it, the ball has to be.
+    let along = center.dot(normal);
+    let (length, aside) = (center.length(), (center - normal * along).length());
+    let reach = if cosine * length <= -along { along * cosine - aside * sine } else { -length };
+    m.inner_radius() + reach >= offset + 2.0 * delta
+}
