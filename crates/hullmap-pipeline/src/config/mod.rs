@@ -1,7 +1,7 @@
 //! `hullmap.toml`: build options for the meshes of a project, kept beside them.
 //!
-//! 1. [`search`] finds the file for a mesh: the nearest one above it.
-//! 2. [`parse`] reads it. Anything unknown is an error with line number and suggestion.
+//! 1. `search` finds the file for a mesh: the nearest one above it.
+//! 2. `parse` reads it. Anything unknown is an error with line number and suggestion.
 //! 3. [`Config::layer`] lays the rules that match a mesh over the defaults.
 
 mod parse;

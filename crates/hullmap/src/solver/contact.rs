@@ -5,7 +5,8 @@
 //!
 //! # Steps
 //! 1. Balls around the shapes, and the last separating axis: the pair may be separated at once. If
-//!    the shapes are balls within the tolerance, the line of centres is the answer.
+//!    the shapes are balls within the tolerance, the line of centres is the answer. If one support
+//!    query proves the face of the last contact again, the contact is on it.
 //! 2. The separating axis test (SAT), for close, small hulls.
 //! 3. The last polytope under the new pose: if it still winds around the origin, continue with step
 //!    6.

@@ -10,6 +10,7 @@
 //! | `gjk` | GJK: the closest point of the difference to the origin, and thus the distance |
 //! | `epa` | EPA, the expanding polytope: the penetration depth |
 //! | `sat` | SAT, the separating axis test: the penetration depth of small hulls |
+//! | `kept_face` | contacts on the face of the last one, by one support query |
 //! | `triangle_face` | contacts in a triangle's face, by one support query |
 //! | `barycentric` | closest points of simplices, and the weights that give witness points |
 //! | `intersection`, `distance`, `contact` | the queries, composed of these algorithms |

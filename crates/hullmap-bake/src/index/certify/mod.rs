@@ -22,7 +22,7 @@
 //! At a plane or a fan's step, the error is a few 1e-15, and cones that reach no farther are not
 //! listed beyond. There, a region has a *core*, in which the conditions must hold, and a *reach*,
 //! from which directions may lead to the leaf (`region`). The regret is at most the diameter times
-//! the greatest distance of the reach from the core, and must be at most [`REGRET_LIMIT`].
+//! the greatest distance of the reach from the core, and must be at most `REGRET_LIMIT`.
 //!
 //! Where two planes meet at a very small angle, the reach has a spike beyond the core, and between
 //! planes that nearly coincide there is no core at all. Both are slivers, and the regret is bounded
