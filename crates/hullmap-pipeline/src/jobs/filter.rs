@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::Selection;
+use super::selection::Selection;
 use crate::glob::Glob;
 
 #[derive(Debug, Default)]

@@ -3,6 +3,7 @@
 //! | module | concept |
 //! |---|---|
 //! | [`job`] | one mesh, its pack, and the options |
+//! | [`selection`] | the inputs, and what leaves some of their meshes out |
 //! | [`search`] | the meshes that inputs name |
 //! | [`filter`] | the meshes that `--exclude` and `--ext` leave |
 //! | [`pack_names`] | the names of their packs |
@@ -17,6 +18,7 @@ pub mod job;
 pub mod key;
 pub mod pack_names;
 pub mod search;
+pub mod selection;
 pub mod shard;
 pub mod task;
 
@@ -27,13 +29,13 @@ use hullmap_import::height_field::is_grid;
 use hullmap_import::{NAMES, is_source};
 
 use crate::config::{Chosen, Configs};
-use crate::glob::Glob;
-use crate::options::{BuildOptions, OptionLayer, flag};
+use crate::options::{BuildOptions, flag};
 use crate::outcome::Failure;
 use filter::Filter;
 pub use job::Job;
 use pack_names::{PackName, Unnamed};
 use search::{Found, Mesh, in_words};
+pub use selection::Selection;
 
 #[derive(Debug)]
 pub struct Jobs {
@@ -50,25 +52,6 @@ pub struct Jobs {
 pub struct Unread {
     pub source: PathBuf,
     pub place: String,
-}
-
-/// The meshes to bake: the inputs, and what leaves some of them out.
-#[derive(Clone, Debug, Default)]
-pub struct Selection {
-    /// Meshes, and folders to search for them.
-    pub inputs: Vec<PathBuf>,
-    /// Options that override those of `hullmap.toml`.
-    pub options: OptionLayer,
-    /// The `hullmap.toml` of all meshes; otherwise the nearest one above each.
-    pub config: Option<PathBuf>,
-    /// Reads no `hullmap.toml`.
-    pub no_config: bool,
-    /// Leaves out the meshes that match.
-    pub exclude: Vec<Glob>,
-    /// Also takes hidden meshes in folders, and those that a `.gitignore` names.
-    pub no_ignore: bool,
-    /// Extensions of meshes in folders; empty for all.
-    pub extensions: Vec<String>,
 }
 
 /// A message about a selection.

@@ -30,19 +30,18 @@ const TINY_ROUNDINGS: f64 = 32.0;
 const SHALLOW: f64 = 0.05;
 
 /// Keeps the face with these corners, on which a contact of this depth was found, unless it is too
-/// deep. Returns whether it is kept.
+/// deep. A face that is kept takes the place of the axis.
 pub(super) fn keep_face<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     m: &Minkowski<'_, A, B>,
     (depth, corners): (f64, [[u32; 2]; 3]),
     cache: &mut Cache,
-) -> bool {
-    let is_kept = depth <= SHALLOW * m.outer_radius();
-    if is_kept {
-        cache.keep_face(corners)
+) {
+    if depth <= SHALLOW * m.outer_radius() {
+        cache.forget_axis();
+        cache.keep_face(corners);
     } else {
-        cache.forget_face()
+        cache.forget_face();
     }
-    is_kept
 }
 
 /// A depth that was found on the face of the last contact.

@@ -159,11 +159,11 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
         features[0] = Point::CENTER[0];
     }
     let enough = best.upper - lower + FOOT_ROUNDINGS * m.noise();
-    let mut face = None;
+    cache.set_axis(best.normal);
     match witness::points(m, facets, &first.points, pair.error(), dispatch, &best, enough) {
         Some((points, corners)) => {
             [best.point_a, best.point_b] = points;
-            face = Some(corners);
+            keep_face(m, (best.upper, corners), cache);
         }
         // The facets beside the facet of the foot have to be considered, too.
         None => _ = best.search(m, &[], enough),
@@ -171,11 +171,6 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     // NaN takes the failing branch.
     if !(best.off() <= enough + FOOT_ROUNDINGS * m.rounding_error()) {
         return None;
-    }
-    if face.is_some_and(|corners| keep_face(m, (best.upper, corners), cache)) {
-        cache.forget_axis();
-    } else {
-        cache.set_axis(best.normal);
     }
     let found = Contact {
         hit: true,
