@@ -167,7 +167,7 @@ version!(here, now, now_bake);
 struct Subject {
     before: before::Pair,
     here: here::Pair,
-    /// Of each class: single poses, and the frames of paths.
+    /// For each class, single poses and the frames of paths.
     placed: Vec<[Vec<Placed>; 2]>,
 }
 

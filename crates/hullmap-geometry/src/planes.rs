@@ -60,8 +60,8 @@ pub fn around(polygon: &[DVec3], normal: DVec3) -> Vec<HalfSpace> {
     polygon.iter().enumerate().filter_map(edge).collect()
 }
 
-/// Appends the part of a convex polygon whose height is at least 0; NaN counts as below. `at` is the
-/// point at a share of the way between two corners.
+/// Appends the part of a convex polygon whose height is at least 0; NaN counts as below. `at` is
+/// the point at a share of the way between two corners.
 pub fn clip<P: Copy>(polygon: &[P], height: impl Fn(P) -> f64, at: impl Fn(P, P, f64) -> P, out: &mut Vec<P>) {
     let Some(&last) = polygon.last() else { return };
     let (mut p, mut p_height) = (last, height(last));

@@ -31,8 +31,8 @@ const LIMIT: f64 = 1e-10;
 /// Squared sine below which planes count as parallel: their intersection is rounding error.
 const PARALLEL: f64 = 1e-20;
 
-/// The point nearest to the origin outside of all `half_spaces`, or on their planes; `None` if there
-/// is none within `reach`, or if the search does not converge.
+/// The point nearest to the origin outside of all `half_spaces`, or on their planes; `None` if
+/// there is none within `reach`, or if the search does not converge.
 ///
 /// # Complexity
 /// O(number of half-spaces) per step.

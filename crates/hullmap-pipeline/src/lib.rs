@@ -1,5 +1,5 @@
-//! The pipeline: turns files of meshes and terrains into `.hullmap` packs, one source or a folder of
-//! them, and bakes in memory. The command `bake` and the bindings are thin over it.
+//! The pipeline: turns files of meshes and terrains into `.hullmap` packs, one source or a folder
+//! of them, and bakes in memory. The command `bake` and the bindings are thin over it.
 //!
 //! To bake in memory: [`bake_arrays`], [`bake_file`], [`bake_source`], [`bake_level`]. To bake
 //! files: [`jobs::jobs`] finds them, and [`runner::run`] bakes them.

@@ -41,7 +41,7 @@ fn make_pipe(path: &Path) {
     assert!(Command::new("mkfifo").arg(path).status().unwrap().success());
 }
 
-/// What a pack of [`CUBE`] records, with this index.
+/// The record of a pack of [`CUBE`], with this index.
 fn record(path: &str, index: &str) -> SourceRecord {
     SourceRecord {
         path: path.to_owned(),

@@ -86,7 +86,8 @@ pub fn build(points: &PointSet) -> Result<Hull, BakeError> {
 /// Maximum distance of a point of `points` outside `hull`, relative to its diameter.
 ///
 /// # Errors
-/// The distance exceeds [`CONTAINMENT`](crate::CONTAINMENT), or `points` is not valid input for [`build`].
+/// The distance exceeds [`CONTAINMENT`](crate::CONTAINMENT), or `points` is not valid input for
+/// [`build`].
 pub fn containment_error(hull: &Hull, points: &PointSet) -> Result<f64, BakeError> {
     let positions: Vec<DVec3> = distinct(points)?.iter().map(|(p, _)| DVec3::from_array(p.map(f64::from))).collect();
     Ok(certify::certify(hull, &positions)?)

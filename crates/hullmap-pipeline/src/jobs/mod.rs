@@ -59,14 +59,17 @@ pub struct Unread {
 pub enum Message {
     /// Needs action.
     Warning(String),
-    /// Of interest.
+    /// Needs no action.
     Note(String),
-    /// Of interest to a user who wants to know about every mesh.
+    /// For a user who wants to know about every mesh.
     Detail(String),
 }
 
-/// The jobs of a build. Writes no file. `say` receives messages, also before an error. Fails if an input or `hullmap.toml` cannot be read, no mesh is left, or an
-/// option on the command line affects no mesh.
+/// The jobs of a build. Writes no file. `say` receives messages, also before an error.
+///
+/// # Errors
+/// An input or `hullmap.toml` cannot be read, no mesh is left, or an option on the command line
+/// affects no mesh.
 pub fn jobs(selection: &Selection, out: &Path, say: &mut dyn FnMut(Message)) -> Result<Jobs, Failure> {
     if out.is_file() {
         return Err(Failure::usage(format!(

@@ -10,7 +10,7 @@ use crate::options::OptionLayer;
 pub struct Selection {
     /// Meshes, and folders to search for them.
     pub inputs: Vec<PathBuf>,
-    /// Options that override those of `hullmap.toml`.
+    /// Options that override `hullmap.toml`.
     pub options: OptionLayer,
     /// The `hullmap.toml` of all meshes; otherwise the nearest one above each.
     pub config: Option<PathBuf>,

@@ -26,7 +26,7 @@ use crate::outcome::{Exit, Failure};
 use one::Build;
 use rows::{Row, Status};
 
-/// What a build may use of the machine.
+/// Threads and memory that a build may use.
 #[derive(Clone, Copy, Debug)]
 pub struct Resources {
     /// Number of threads; `None`: one per core.

@@ -187,8 +187,8 @@ impl Hull<'_> {
         }
     }
 
-    /// Whether a face that [stands alone](Self::stands_alone) is the closest to the unit vector `n`:
-    /// the normals of the faces beside it are tilted from its own by more than [`TILT`].
+    /// Whether a face that [stands alone](Self::stands_alone) is the closest to the unit vector
+    /// `n`: the normals of the faces beside it are tilted from its own by more than [`TILT`].
     fn still_faces(&self, face: u32, n: DVec3) -> bool {
         // NaN takes the failing branch.
         self.face_normal(face).is_some_and(|normal| normal.dot(n) > 0.0 && normal.cross(n).length() <= 0.5 * TILT)

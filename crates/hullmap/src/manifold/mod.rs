@@ -281,7 +281,7 @@ pub struct Manifold {
     points: ArrayVec<ManifoldPoint, MAX_POINTS>,
     normal: DVec3,
     status: Status,
-    /// Of A and of B: see [`Feature::lone_face`].
+    /// For A and B: see [`Feature::lone_face`].
     lone_faces: [Option<u32>; 2],
 }
 

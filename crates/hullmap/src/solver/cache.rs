@@ -4,8 +4,8 @@
 //!   separating axis test, its normal: the best guess for the next normal, or for the axis of a
 //!   miss.
 //! - The last portal. It usually proves a hit again without any support call.
-//! - The last simplex near the origin. GJK continues from it. After a shallow contact, it is the face
-//!   that decided, which one support query may prove again.
+//! - The last simplex near the origin. GJK continues from it. After a shallow contact, it is the
+//!   face that decided, which one support query may prove again.
 //! - The last polytope. EPA continues from it.
 //! - Of geometries with parts: the same for the most recent pairs of parts, and the pair that
 //!   decided the last query.

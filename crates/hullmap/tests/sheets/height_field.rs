@@ -1,4 +1,4 @@
-//! Queries of height fields, compared with those of the same surface as a triangle mesh, which the
+//! Queries of height fields give the answers of the same surface as a triangle mesh, which the
 //! truth of meshes judges by brute force.
 
 use std::collections::HashMap;

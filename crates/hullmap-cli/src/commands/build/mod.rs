@@ -1,6 +1,7 @@
 //! `bake build`: bakes meshes into packs.
 //!
-//! 1. [`jobs`](hullmap_pipeline::jobs) finds the meshes, their options and the names of their packs.
+//! 1. [`jobs`](hullmap_pipeline::jobs) finds the meshes, their options and the names of their
+//!    packs.
 //! 2. [`runner`](hullmap_pipeline::runner) finds packs that are up to date, and bakes the others.
 //! 3. [`orphans`] finds packs whose source is gone.
 

@@ -3,7 +3,8 @@
 //! 1. `hullmap_robot` reads each description, and finds its meshes.
 //! 2. [`choice`] decides what happens to each collision. Equal meshes with equal options are one
 //!    job, whatever their scales: the description keeps its scales.
-//! 3. [`runner`](hullmap_pipeline::runner) bakes the jobs of all descriptions, as `bake build` does.
+//! 3. [`runner`](hullmap_pipeline::runner) bakes the jobs of all descriptions, as `bake build`
+//!    does.
 //! 4. The hulls are written as OBJ files beside the packs, and the description last, so that it
 //!    never names a file that does not exist.
 //!

@@ -154,10 +154,8 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const P: usize, const 
     let others = search.others.min(search.best.upper + 2.0 * f64::from(first.error)) - (search.best.upper - lower);
     // 6.
     let AxisSearch { m, mut best, mut features, lowest_of_a, .. } = search;
-    if best.normal == lowest_of_a {
-        // B is at a vertex, and A at a face.
-        features[0] = Point::CENTER[0];
-    }
+    // B is at a vertex, and A at a face.
+    features[0] = if best.normal == lowest_of_a { Point::CENTER[0] } else { features[0] };
     let enough = best.upper - lower + FOOT_ROUNDINGS * m.noise();
     cache.set_axis(best.normal);
     match witness::points(m, facets, &first.points, pair.error(), dispatch, &best, enough) {

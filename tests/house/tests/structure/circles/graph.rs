@@ -18,8 +18,8 @@ impl Graph {
         }
     }
 
-    /// The graph of groups of files: the group of a file takes its place, and a file without a group
-    /// is left out.
+    /// The graph of groups of files: the group of a file takes its place, and a file without a
+    /// group is left out.
     pub fn grouped(&self, group: impl Fn(&Path) -> Option<PathBuf>) -> Self {
         let mut grouped = Self::default();
         for (user, used) in &self.0 {
