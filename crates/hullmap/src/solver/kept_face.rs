@@ -153,3 +153,68 @@ fn no_plane_is_nearer<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let reach = if cosine * length <= -along { along * cosine - aside * sine } else { -length };
     m.inner_radius() + reach >= offset + 2.0 * delta
 }
+
+#[cfg(test)]
+mod tests {
+    use ::shapes::{families, rng::SplitMix64};
+    use glam::{DQuat, DVec3};
+    use hullmap_testkit::packs;
+
+    use super::*;
+    use crate::{Pack, Pose, Settings, Shape, contact};
+
+    const SEED: u64 = 20_261_129;
+
+    /// Contacts of two copies of a shape after small steps and two large ones, beside contacts
+    /// without a cache. Returns how many were proven by one support query, and how many were not.
+    fn judge<S: Shape>(shape: &S, rng: &mut SplitMix64) -> [usize; 2] {
+        let mut counts = [0, 0];
+        let size = shape.outer_radius();
+        for path in 0..200 {
+            let mut cache = Cache::new();
+            let turn = DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize();
+            let out = DVec3::from_array(rng.direction());
+            let at = |distance: f64, turn: DQuat| Pose::new(out * distance, turn).unwrap();
+            let touches =
+                |distance: f64| contact(shape, shape, at(distance, turn), &Settings::default(), &mut Cache::new()).hit;
+            let (mut near, mut far) = (0.0, 3.0 * size);
+            for _ in 0..30 {
+                let middle = 0.5 * (near + far);
+                if touches(middle) { near = middle } else { far = middle }
+            }
+            for frame in 0..8 {
+                // From 0.3 % deep in small steps, then to any depth.
+                let depth = if frame < 6 { 0.003 * size } else { rng.between(0.0, near) };
+                let step = DQuat::from_axis_angle(DVec3::from_array(rng.direction()), 1e-3 * rng.between(-1.0, 1.0));
+                let pose = at(near - depth, step * turn);
+                let cold = contact(shape, shape, pose, &Settings::default(), &mut Cache::new());
+                let warm = contact(shape, shape, pose, &Settings::default(), &mut cache);
+                assert_eq!(warm.hit, cold.hit, "seed {SEED}, path {path}, frame {frame}");
+                let both = [warm.depth_lower.max(cold.depth_lower), warm.depth_upper.min(cold.depth_upper)];
+                assert!(both[0] <= both[1], "seed {SEED}, path {path}, frame {frame}: {warm:?} {cold:?}");
+                let is_kept = warm.hit && warm.support_calls == 1;
+                counts[usize::from(!is_kept)] += usize::from(frame > 0);
+            }
+        }
+        counts
+    }
+
+    #[test]
+    fn contacts_on_a_kept_face_are_those_without_a_cache() {
+        let mut rng = SplitMix64::new(SEED);
+        for half in [[1.0; 3], [1.0, 1.0, 0.02], [1.0, 0.01, 0.02]] {
+            let signs =
+                |corner: usize| [0, 1, 2].map(|axis| if corner >> axis & 1 == 0 { -half[axis] } else { half[axis] });
+            let corners: Vec<[f32; 3]> = (0..8).map(signs).collect();
+            let pack = Pack::from_bytes(&packs::tree_bytes(&corners)).unwrap();
+            let [kept, others] = judge(&pack.hull(0).unwrap(), &mut rng);
+            println!("{half:?}: {kept} of {}", kept + others);
+            assert!(kept > 200 && others > 200, "{half:?}: {kept} of {}", kept + others);
+        }
+        for count in [8, 32, 200] {
+            let pack = Pack::from_bytes(&packs::tree_bytes(&families::sphere(count, 1))).unwrap();
+            let [kept, others] = judge(&pack.hull(0).unwrap(), &mut rng);
+            assert!(kept > 600 && others > 200, "{count}: {kept} of {}", kept + others);
+        }
+    }
+}
