@@ -41,12 +41,13 @@ pub(crate) mod matching;
 mod near;
 #[doc(hidden)]
 pub mod select;
+mod settings;
 mod surface;
 
 use crate::pose::Pose;
 use crate::shapes::feature::tilted_toward;
 use crate::shapes::{Corner, Feature, Shape, TILT};
-use crate::solver::{Cache, Contact, Settings, Status};
+use crate::solver::{Cache, Contact, Status};
 use crate::support::SupportPoint;
 use arrayvec::ArrayVec;
 pub(crate) use clip::Body;
@@ -55,6 +56,7 @@ use glam::{DVec2, DVec3};
 use matching::{Likeness, match_points};
 use near::{Near, near_contact};
 use select::{Choice, SAME_PLACE, SLIGHT, Spot};
+pub use settings::{ManifoldSettings, Prediction};
 use std::fmt;
 use surface::{settle, witness};
 
@@ -89,55 +91,6 @@ const INWARD: f64 = 1e-5;
 /// Tangent of the maximum angle between the normal and a direction in which a tipping body's far
 /// side is searched for.
 const STEEPEST: f64 = 1.0;
-
-/// How far two surfaces may be separated and still have manifold points, of negative depth, so that
-/// a rocking body keeps them.
-///
-/// NaN and negative values count as 0.
-///
-/// # Examples
-/// ```
-/// use hullmap::ManifoldSettings;
-/// use hullmap::manifold::Prediction;
-///
-/// // A centimetre, in a scene whose unit is the metre.
-/// let settings = ManifoldSettings { prediction: Prediction::Length(0.01), ..Default::default() };
-/// assert_eq!(settings.prediction.length(0.5), 0.01);
-/// assert_eq!(Prediction::default().length(0.5), 0.01);
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Prediction {
-    /// A length, in the shapes' units.
-    Length(f64),
-    /// A fraction of the outer radius of the smaller shape.
-    Relative(f64),
-}
-
-impl Prediction {
-    /// The prediction as a length, for a smaller shape of this outer radius.
-    pub fn length(self, smaller_outer_radius: f64) -> f64 {
-        match self {
-            Self::Length(length) => length.max(0.0),
-            Self::Relative(fraction) => fraction.max(0.0) * smaller_outer_radius,
-        }
-    }
-}
-
-impl Default for Prediction {
-    /// 2 % of the smaller shape's outer radius.
-    fn default() -> Self {
-        Self::Relative(0.02)
-    }
-}
-
-/// Settings of [`Manifold::update`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ManifoldSettings {
-    /// Settings of the contact or distance query inside.
-    pub contact: Settings,
-    /// How far two surfaces may be separated and still have points.
-    pub prediction: Prediction,
-}
 
 /// The feature of one shape that a manifold point lies on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
