@@ -1,9 +1,8 @@
 //! Query directions, seeded: unit vectors in f32.
 
 use glam::{DVec3, Vec3};
+use hullmap::Hull;
 use shapes::rng::SplitMix64;
-
-use crate::subject::Subject;
 
 /// Angle between successive directions of [`turning`], in radians: one degree.
 pub const TURN_RAD: f64 = std::f64::consts::PI / 180.0;
@@ -36,9 +35,9 @@ pub fn turning(count: usize, seed: u64) -> Vec<Vec3> {
 
 /// `count` directions, difficult ones among them: half are random, a quarter are face normals, a
 /// quarter are face normals disturbed by 0.1 … 1e-8.
-pub fn awkward(subject: &Subject, count: usize, seed: u64) -> Vec<Vec3> {
+pub fn awkward(hull: &Hull<'_>, count: usize, seed: u64) -> Vec<Vec3> {
     let mut rng = SplitMix64::new(seed);
-    let normals = subject.face_normals();
+    let normals: Vec<DVec3> = (0..hull.face_count() as u32).filter_map(|face| hull.face_normal(face)).collect();
     let mut dirs: Vec<Vec3> = (0..count / 2).map(|_| DVec3::from_array(rng.direction()).as_vec3()).collect();
     while dirs.len() < count {
         let normal = normals[rng.below(normals.len())];

@@ -9,13 +9,6 @@ use hullmap::Pose;
 /// precision stay far below it; input in a wrong layout does not.
 const TOLERANCE: f64 = 1e-3;
 
-/// Triangles of a box. Its corners are numbered by the signs of x, y and z, from the lowest bit on.
-#[rustfmt::skip]
-pub const TRIANGLES: [[u32; 3]; 12] = [
-    [0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
-    [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5],
-];
-
 /// The boxes, and poses of B in A's frame.
 #[derive(Clone, Debug)]
 pub struct Known {
@@ -36,9 +29,8 @@ pub struct KnownPose {
     pub direction: DVec3,
 }
 
-/// An engine's contact: its depth, and the unit normal from A to B if the engine's program states
-/// it.
-pub type Found = (f64, Option<DVec3>);
+/// An engine's contact: its depth, and the unit normal from A to B.
+pub type Found = (f64, DVec3);
 
 impl Known {
     /// The boxes of `known.txt`. Panics if it cannot be read; tests read it.
@@ -81,13 +73,11 @@ impl Known {
             let found = answer(pose).map_err(|error| format!("{engine}: two known boxes: {error}"))?;
             let what = match found {
                 None => "no contact".to_owned(),
-                Some((depth, None)) => format!("depth {depth:.6}"),
-                Some((depth, Some(n))) => format!("depth {depth:.6} along ({:.3}, {:.3}, {:.3})", n.x, n.y, n.z),
+                Some((depth, n)) => format!("depth {depth:.6} along ({:.3}, {:.3}, {:.3})", n.x, n.y, n.z),
             };
             // NaN is wrong.
             let is_right = found.map_or(pose.gap > 0.0, |(depth, normal)| {
-                (depth + pose.gap).abs() <= TOLERANCE
-                    && normal.is_none_or(|normal| normal.distance(pose.direction) <= TOLERANCE)
+                (depth + pose.gap).abs() <= TOLERANCE && normal.distance(pose.direction) <= TOLERANCE
             });
             if !is_right {
                 return Err(format!(
@@ -106,28 +96,21 @@ impl Known {
 mod tests {
     use super::*;
 
-    /// Answers of an engine whose depths are off by `error`.
-    fn answers(error: f64, normal: Option<DVec3>) -> impl FnMut(&KnownPose) -> Result<Option<Found>, String> {
-        move |pose| Ok((pose.gap < 0.0).then_some((error - pose.gap, normal)))
-    }
-
     #[test]
     fn only_right_answers_are_a_proof() {
         let known = Known::boxes();
-        let line = known.prove("engine 1.0", answers(1e-6, Some(DVec3::Z))).unwrap();
+        let answer = |error: f64, normal: DVec3| {
+            known.prove("engine 1.0", |pose| Ok((pose.gap < 0.0).then_some((error - pose.gap, normal))))
+        };
         let expected = "gap -0.25: depth 0.250001 along (0.000, 0.000, 1.000); gap 0.5: no contact";
-        assert_eq!(line, format!("engine 1.0, two known boxes: {expected}"));
-        known.prove("engine", answers(1e-6, None)).unwrap();
+        assert_eq!(answer(1e-6, DVec3::Z).unwrap(), format!("engine 1.0, two known boxes: {expected}"));
         // B stands upright if the numbers of its rotation are in another order, and is 1 deeper.
-        for error in [1.0, -0.002, f64::NAN] {
-            let refusal = known.prove("engine", answers(error, None)).unwrap_err();
-            assert!(refusal.starts_with("engine: two known boxes with a gap of -0.25: depth "), "{refusal}");
+        let wrong_depths = [1.0, -0.002, f64::NAN].map(|error| (error, DVec3::Z));
+        for (error, normal) in wrong_depths.into_iter().chain([DVec3::NEG_Z, DVec3::X, DVec3::NAN].map(|n| (0.0, n))) {
+            let refusal = answer(error, normal).unwrap_err();
+            assert!(refusal.starts_with("engine 1.0: two known boxes with a gap of -0.25: depth "), "{refusal}");
         }
-        for normal in [DVec3::NEG_Z, DVec3::X, DVec3::NAN] {
-            let refusal = known.prove("engine", answers(0.0, Some(normal))).unwrap_err();
-            assert!(refusal.contains(" along "), "{refusal}");
-        }
-        let refusal = known.prove("engine", |_| Ok(Some((0.25, None)))).unwrap_err();
+        let refusal = known.prove("engine", |_| Ok(Some((0.25, DVec3::Z)))).unwrap_err();
         assert!(refusal.contains("gap of 0.5: depth 0.25"), "{refusal}");
         assert!(known.prove("engine", |_| Ok(None)).unwrap_err().contains("gap of -0.25: no contact"));
         assert!(known.prove("engine", |_| Err("it has ended".to_owned())).unwrap_err().ends_with("it has ended"));

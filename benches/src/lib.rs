@@ -1,43 +1,25 @@
 //! Benchmarks: support queries and the solver beside other engines.
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
-//! | [`subject`] | a family of [`shapes`], baked |
-//! | [`rivals`] | the methods that are compared, each with its own tables |
-//! | [`query`] | what a rival is, and the loops that query it |
-//! | [`clock`] | processor time of this thread |
-//! | [`directions`] | query directions: random, turning, and difficult ones |
-//! | [`measure`] | interleaved timing: throughput, latency, coherent, cold |
-//! | [`eviction`] | how caches are emptied for cold queries |
-//! | [`regret`] | error of the answers, in f64 |
-//! | [`matrix`], [`report`], [`csv`] | the tables |
-//! | [`solver`] | contact, intersects and distance beside parry3d |
-//! | [`mesh_peer`] | Box3D's and Jolt's narrow phase on a mesh |
-//! | [`peer_program`] | an engine in a C program of its own |
-//! | [`known`] | two boxes with known answers, which prove such a program |
+//! | [`subject`] | a family of [`shapes`], baked, for hullmap and parry3d |
+//! | [`support`] | methods of answering support queries, and their timing |
+//! | [`directions`], [`regret`] | query directions; error of the answers, in f64 |
+//! | [`solver`] | contact, intersects and distance beside parry3d and MuJoCo |
+//! | [`known`] | two boxes with known answers, which prove that an engine gets its input right |
 //! | [`scene`] | scenes of many different hulls |
-//! | [`comparison`] | tables of benches/README.md, from a committed result |
-//! | [`machine`], [`output`] | machine, compiler and commit; atomic writing of files |
+//! | [`rows`] | measurements: tables, and a CSV file |
+//! | [`clock`] | processor time of this thread |
 //!
-//! A new index kind is one line in [`rivals::INDICES`].
+//! A new index kind is one line in [`support::INDICES`].
 #![deny(unsafe_code)]
 
 pub mod clock;
-pub mod comparison;
-pub mod csv;
 pub mod directions;
-pub mod eviction;
 pub mod known;
-pub mod machine;
-pub mod matrix;
-pub mod measure;
-pub mod mesh_peer;
-pub mod output;
-pub mod peer_program;
-pub mod query;
 pub mod regret;
-pub mod report;
-pub mod rivals;
+pub mod rows;
 pub mod scene;
 pub mod solver;
 pub mod subject;
+pub mod support;

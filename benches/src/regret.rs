@@ -1,8 +1,6 @@
 //! Error of the answers: regret against a brute-force search over the source points, in f64.
 
-use glam::Vec3;
-
-use crate::subject::Subject;
+use glam::{DVec3, Vec3};
 
 /// Maximum regret of a support query that counts as exact, relative to the diameter. It is the
 /// bound `bake verify` uses.
@@ -18,21 +16,10 @@ pub struct Truth {
 impl Truth {
     /// Finds the maximum over all source points for each direction. Complexity: one dot product for
     /// each point and direction.
-    pub fn new(subject: &Subject, dirs: Vec<Vec3>) -> Self {
-        let points: Vec<[f64; 3]> = subject.points.iter().map(|p| p.map(f64::from)).collect();
-        let best = dirs.iter().map(|&dir| {
-            let [x, y, z] = dir.as_dvec3().to_array();
-            // Eight independent maxima: with one, each step would wait for the last.
-            let mut best = [f64::NEG_INFINITY; 8];
-            for group in points.chunks(best.len()) {
-                for (best, p) in best.iter_mut().zip(group) {
-                    *best = best.max(p[0] * x + p[1] * y + p[2] * z);
-                }
-            }
-            best.into_iter().fold(f64::NEG_INFINITY, f64::max)
-        });
-        let best = best.collect();
-        Self { dirs, best, diameter: subject.diameter() }
+    pub fn new(points: &[[f32; 3]], diameter: f64, dirs: Vec<Vec3>) -> Self {
+        let points: Vec<DVec3> = points.iter().map(|p| DVec3::from(p.map(f64::from))).collect();
+        let best = |dir: &Vec3| points.iter().map(|p| p.dot(dir.as_dvec3())).fold(f64::NEG_INFINITY, f64::max);
+        Self { best: dirs.iter().map(best).collect(), dirs, diameter }
     }
 
     /// The directions.

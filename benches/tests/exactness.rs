@@ -1,13 +1,14 @@
 //! The exactness stated in the tables.
 
+use std::time::Duration;
+
 use glam::Vec3;
+use hullmap_bake::IndexKind;
 use hullmap_bench::{
     directions,
-    eviction::Eviction,
-    measure::{self, Effort, Mode},
     regret::{EXACT, Truth},
-    rivals::{self, INDICES},
-    subject::{FAMILIES, SEED, Subject},
+    subject::{FAMILIES, SEED, Subject, first_hull},
+    support::{self, Effort, INDICES, Mode, methods},
 };
 
 /// Vertex counts: fewer than a block, not a multiple of one, and enough for f32 plateaus.
@@ -16,18 +17,21 @@ const COUNTS: [usize; 3] = [8, 200, 1_500];
 /// Number of directions for each subject.
 const DIRECTIONS: usize = 1_500;
 
-/// Every rival equals brute force in all directions.
+/// Every method equals brute force in all directions.
 #[test]
-fn rivals_are_exact() {
+fn methods_are_exact() {
     for family in FAMILIES {
         for n in COUNTS {
             let subject = Subject::new(family, n, SEED);
-            let truth = Truth::new(&subject, directions::awkward(&subject, DIRECTIONS, SEED));
-            let entries = rivals::enter(&subject);
-            assert!(entries.len() > INDICES.len(), "a rival is missing");
-            for entry in entries {
-                let regret = truth.max_regret(&entry.answers(truth.dirs()));
-                assert!(regret <= EXACT, "{}: {} {n}, regret {regret:e}, seed {SEED}", entry.name(), family.name());
+            let pack = subject.pack(IndexKind::None).0;
+            let hull = first_hull(&pack);
+            let dirs = directions::awkward(&hull, DIRECTIONS, SEED);
+            let truth = Truth::new(&subject.points, hull.diameter(), dirs);
+            let methods = methods(&subject);
+            assert!(methods.len() > INDICES.len(), "a method is missing");
+            for method in methods {
+                let regret = truth.max_regret(&method.answers(truth.dirs()));
+                assert!(regret <= EXACT, "{}: {} {n}, regret {regret:e}, seed {SEED}", method.name, family.name());
             }
         }
     }
@@ -37,25 +41,24 @@ fn rivals_are_exact() {
 #[test]
 fn answers_are_vertices() {
     let subject = Subject::new(FAMILIES[2], 100, SEED);
-    let vertices: Vec<Vec3> = subject.vertices().collect();
+    let pack = subject.pack(IndexKind::None).0;
+    let vertices: Vec<Vec3> = first_hull(&pack).vertices().collect();
     let mut dirs = directions::random(100, SEED);
     dirs.extend([Vec3::ZERO, Vec3::NAN, Vec3::INFINITY, Vec3::new(0.0, f32::NAN, 1.0)]);
-    for entry in rivals::enter(&subject) {
-        for (dir, answer) in dirs.iter().zip(entry.answers(&dirs)) {
-            assert!(vertices.contains(&answer), "{} in direction {dir}: {answer}", entry.name());
+    for method in methods(&subject) {
+        for (dir, answer) in dirs.iter().zip(method.answers(&dirs)) {
+            assert!(vertices.contains(&answer), "{} in direction {dir}: {answer}", method.name);
         }
     }
 }
 
 #[test]
-fn every_rival_is_timed() {
-    let subject = Subject::new(FAMILIES[0], 32, SEED);
-    let mut entries = rivals::enter(&subject);
-    let effort = Effort { batch: std::time::Duration::from_micros(5), rounds: 2, cold_rounds: 1 };
-    let mut eviction = Eviction::new();
-    for mode in Mode::ALL {
-        let timings = measure::time(&mut entries, mode, effort, &mut eviction, SEED);
-        assert_eq!(timings.len(), entries.len());
-        assert!(timings.iter().all(|t| t.median_ns > 0.0 && t.median_ns.is_finite()), "{timings:?}");
+fn every_method_is_timed() {
+    let methods = methods(&Subject::new(FAMILIES[0], 32, SEED));
+    let effort = Effort { batch: Duration::from_micros(5), rounds: 2 };
+    for (name, mode) in Mode::ALL {
+        let times = support::time(&methods, mode, effort, SEED);
+        assert_eq!(times.len(), methods.len());
+        assert!(times.iter().all(|t| t[0] > 0.0 && t[0] <= t[1] && t[2].is_finite()), "{name}: {times:?}");
     }
 }

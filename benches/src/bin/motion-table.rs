@@ -73,9 +73,8 @@ fn motions(count: usize, angle: f64, rng: &mut SplitMix64) -> Vec<Motions> {
         .collect()
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or_default()
+fn median(values: Vec<f64>) -> f64 {
+    clock::median(values).unwrap_or_default()
 }
 
 /// Results for one number of vertices and one angle.

@@ -1,19 +1,15 @@
 //! Contact beside MuJoCo and parry3d, on the same hulls and poses, interleaved in one run.
 
-use std::{error::Error, fs, hint::black_box, path::PathBuf, process::ExitCode};
+use std::{error::Error, hint::black_box, path::PathBuf, process::ExitCode};
 
 use clap::Parser;
 use hullmap::{Cache, Minkowski, Settings, contact};
 use hullmap_bench::{
     clock::{median, time_ns},
-    csv::Csv,
-    machine::Machine,
-    matrix::Matrix,
-    output,
+    rows::{Row, Rows, finish, three_digits},
     solver::{
         mujoco::{ITERATIONS, MuJoCo, Session},
-        pairs::{BakedPair, Class, FAMILIES, Placed},
-        race::Mix,
+        pairs::{BakedPair, FAMILIES, Mix, Placed},
     },
     subject::SEED,
 };
@@ -51,8 +47,8 @@ struct Arguments {
     /// Number of rounds
     #[arg(long, default_value_t = 15)]
     rounds: usize,
-    /// Also write the tables as markdown, with facts about the machine, and as CSV beside it
-    #[arg(long, value_name = "FILE")]
+    /// Also write the times as CSV
+    #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
 }
 
@@ -66,7 +62,7 @@ fn main() -> ExitCode {
         }
     };
     match run(&arguments, &mujoco) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(rows) => finish(arguments.out.map(|path| (path, &rows)).as_slice()),
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::from(2)
@@ -106,14 +102,6 @@ impl Engine {
     }
 }
 
-/// Median times of one vertex count and one selection of poses (a class, or all), by engine, in
-/// nanoseconds per query. They are the means over the families.
-struct Medians {
-    n: usize,
-    poses: &'static str,
-    ns: [f64; Engine::ALL.len()],
-}
-
 /// Differences of the answers, over all poses.
 #[derive(Default)]
 struct Differences {
@@ -130,36 +118,36 @@ struct Differences {
     disproved: usize,
 }
 
-fn run(arguments: &Arguments, mujoco: &MuJoCo) -> Result<(), Box<dyn Error>> {
-    let proof = mujoco.prove()?;
-    println!("{proof}\n");
-    let (mut cells, mut differences) = (Vec::new(), Differences::default());
+fn run(arguments: &Arguments, mujoco: &MuJoCo) -> Result<Rows, Box<dyn Error>> {
+    println!("{}\n", mujoco.prove()?);
+    let (mut rows, mut differences) = (Rows::new(&["n", "order", "poses", "engine", "ns"]), Differences::default());
     for &n in &arguments.n {
         eprintln!("{n} vertices");
-        measure(arguments, mujoco, n, &mut cells, &mut differences)?;
+        measure(arguments, mujoco, n, &mut rows, &mut differences)?;
     }
-    let tables = tables(&cells);
     let Differences { poses, verdicts, below, above, short, disproved } = differences;
-    let facts = format!(
+    let labels = ["order", "poses", "engine"];
+    let ns = |row: Row<'_>| Some(format!("{:.0}", row.number("ns")));
+    println!("{}", rows.table("ns per query; random poses have empty caches", &labels, "n", ns));
+    println!(
+        "{}",
+        rows.table("time over hullmap's, on paths over hullmap warm", &labels, "n", |row| {
+            let ours = if row.text("order") == "paths" { "hullmap warm" } else { "hullmap" };
+            let is_ours = |other: &Row<'_>| {
+                other.text("engine") == ours
+                    && ["n", "order", "poses"].iter().all(|name| other.text(name) == row.text(name))
+            };
+            Some(three_digits(row.number("ns") / rows.iter().find(is_ours)?.number("ns")))
+        })
+    );
+    println!(
         "MuJoCo {}, at most {ITERATIONS} iterations, one point of contact. In {poses} poses, the engines disagree on \
          yes or no in {verdicts}. MuJoCo's depth is above hullmap's interval by at most {above:.0e} of the diameter. \
          It is below the interval in {short}, by at most {below:.0e}. MuJoCo's own normal disproves hullmap's lower \
          bound in {disproved}.\n",
         mujoco.version
     );
-    tables.iter().for_each(|table| println!("{}", table.to_text()));
-    let load = fs::read_to_string("/proc/loadavg").unwrap_or_default();
-    let head = format!("{}- load of the machine at the end: {}\n", Machine::here().to_markdown(), load.trim());
-    println!("{facts}\n{head}");
-    if let Some(path) = &arguments.out {
-        let sections: Vec<String> = tables.iter().map(Matrix::to_markdown).collect();
-        output::write(
-            path,
-            &format!("# Contact beside MuJoCo\n\n{head}- {proof}\n\n{facts}\n{}", sections.join("\n")),
-        )?;
-        output::write(&path.with_extension("csv"), to_csv(&cells).as_str())?;
-    }
-    Ok(())
+    Ok(rows)
 }
 
 /// Measures one vertex count.
@@ -167,7 +155,7 @@ fn measure(
     arguments: &Arguments,
     mujoco: &MuJoCo,
     n: usize,
-    cells: &mut Vec<Medians>,
+    rows: &mut Rows,
     differences: &mut Differences,
 ) -> Result<(), Box<dyn Error>> {
     let mut times: Vec<[Vec<f64>; Engine::ALL.len()]> = vec![Default::default(); Mix::ALL.len()];
@@ -186,10 +174,14 @@ fn measure(
             }
         }
     }
-    cells.extend(Mix::ALL.into_iter().zip(&times).map(|(mix, times)| {
-        let ns = std::array::from_fn(|engine| times[engine].iter().sum::<f64>() / times[engine].len() as f64);
-        Medians { n, poses: mix.name(), ns }
-    }));
+    for (mix, times) in Mix::ALL.into_iter().zip(&times) {
+        for (engine, times) in Engine::ALL.into_iter().zip(times) {
+            let [order, name] = engine.names();
+            // The mean over the families.
+            let ns = format!("{:.1}", times.iter().sum::<f64>() / times.len() as f64);
+            rows.push(vec![n.to_string(), order.to_owned(), mix.name().to_owned(), name.to_owned(), ns]);
+        }
+    }
     Ok(())
 }
 
@@ -228,9 +220,8 @@ impl Race<'_> {
     fn round(&mut self) -> Result<[f64; Engine::ALL.len()], Box<dyn Error>> {
         let ([a, b], [p, q]) = (self.pair.hulls(), self.pair.polyhedra());
         let (settings, identity) = (Settings::default(), math::Pose::IDENTITY);
-        let (first, step) = stride(self.mix);
-        let selected = |all: &[Placed]| -> Vec<Placed> { all.iter().skip(first).step_by(step).copied().collect() };
-        let (poses, frames) = (selected(self.poses), selected(self.frames));
+        let (first, step) = self.mix.stride();
+        let (poses, frames) = (self.mix.select(self.poses), self.mix.select(self.frames));
         let (count, all) = (self.poses.len(), self.poses.len() + self.frames.len());
         let mut caches = vec![Cache::default(); frames.len() / FRAMES];
         let paths = caches.len();
@@ -260,54 +251,10 @@ impl Race<'_> {
     }
 }
 
-/// First pose of a selection, and the step to the next: classes alternate.
-fn stride(mix: Mix) -> (usize, usize) {
-    match mix {
-        Mix::All => (0, 1),
-        Mix::Only(class) => (class as usize, Class::ALL.len()),
-    }
-}
-
 /// Nanoseconds per item of the second of two passes, so that every engine finds its data and code
 /// in the processor's caches.
 fn second_pass(items: &[Placed], mut query: impl FnMut(usize, &Placed)) -> f64 {
     let mut pass = || items.iter().enumerate().for_each(|(i, placed)| query(i, placed));
     pass();
     time_ns(pass) / items.len() as f64
-}
-
-fn tables(cells: &[Medians]) -> Vec<Matrix> {
-    type Shown = fn(&[f64; Engine::ALL.len()]) -> String;
-    let kinds: [(&str, Shown); 5] = [
-        ("Random poses, empty caches: ns per query, hullmap / MuJoCo / parry3d", |ns| {
-            format!("{:.0} / {:.0} / {:.0}", ns[0], ns[1], ns[2])
-        }),
-        ("Random poses, empty caches: time of MuJoCo over hullmap's", |ns| format!("{:.2}", ns[1] / ns[0])),
-        ("Along paths: ns per query, hullmap cold / hullmap warm / MuJoCo", |ns| {
-            format!("{:.0} / {:.0} / {:.0}", ns[3], ns[4], ns[5])
-        }),
-        ("Along paths: time of MuJoCo over hullmap's, warm", |ns| format!("{:.2}", ns[5] / ns[4])),
-        ("Along paths: time of hullmap, warm over cold", |ns| format!("{:.2}", ns[4] / ns[3])),
-    ];
-    kinds
-        .into_iter()
-        .map(|(title, shown)| {
-            let mut table = Matrix::new(title, "vertices of each hull");
-            cells.iter().for_each(|cell| table.set(cell.poses, &cell.n.to_string(), shown(&cell.ns)));
-            table
-        })
-        .collect()
-}
-
-/// One line for each time.
-fn to_csv(cells: &[Medians]) -> Csv {
-    let mut csv = Csv::new(&["n", "order", "poses", "engine", "ns"]);
-    for cell in cells {
-        for engine in Engine::ALL {
-            let [order, name] = engine.names();
-            let ns = format!("{:.1}", cell.ns[engine as usize]);
-            csv.line(&[cell.n.to_string(), order.to_owned(), cell.poses.to_owned(), name.to_owned(), ns]);
-        }
-    }
-    csv
 }

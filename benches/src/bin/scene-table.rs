@@ -5,12 +5,10 @@ use std::{path::PathBuf, process::ExitCode, time::Instant};
 use clap::Parser;
 use hullmap_bake::IndexKind;
 use hullmap_bench::{
-    machine::Machine,
-    output,
+    rows::{Rows, finish},
     scene::{
         Scene,
-        race::{self, Effort},
-        tables::{self, Record},
+        race::{self, Effort, Order, SceneQuery},
     },
 };
 
@@ -26,8 +24,8 @@ const BYTES_OF_A_VERTEX: usize = 230;
 /// Times queries on scenes of many different hulls, in one thread.
 ///
 /// Random pairs with empty caches of the solver, and neighbours in a moving crowd with warm ones.
-/// Packs larger than the machine's last-level cache are marked. Tables go to standard output,
-/// progress to standard error.
+/// *loop* and *batch* are hullmap, one query after the other and in a batch. Tables go to standard
+/// output, progress to standard error.
 #[derive(Parser)]
 #[command(
     after_help = "Example:\n  cargo run --release -p hullmap-bench --bin scene-table -- --hulls 8000 --vertices 128 \
@@ -50,36 +48,30 @@ struct Arguments {
     /// memory on top
     #[arg(long, default_value_t = 2048, value_name = "MIB")]
     max_mib: usize,
-    /// Also write the tables as markdown, with facts about the machine, and as CSV beside it
-    #[arg(long, value_name = "FILE")]
+    /// Also write the times as CSV
+    #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
 }
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let records = measure(&arguments);
-    let tables = tables::all(&records);
-    tables.iter().for_each(|table| println!("{}", table.to_text()));
-    print!("{}", tables::legend());
-    let machine = Machine::here();
-    eprint!("{}", machine.to_markdown());
-    let sections: Vec<String> = tables.iter().map(|table| table.to_markdown()).collect();
-    let markdown =
-        format!("# Scenes of many hulls\n\n{}\n{}\n{}", machine.to_markdown(), tables::legend(), sections.join("\n"));
-    let write = |path: PathBuf| {
-        output::write(&path, &markdown)?;
-        output::write(&path.with_extension("csv"), tables::to_csv(&records).as_str())
-    };
-    match arguments.out.map_or(Ok(()), write) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
+    let rows = measure(&arguments);
+    for (order, query) in [Order::Random, Order::Crowd].into_iter().flat_map(|o| SceneQuery::ALL.map(|q| (o, q))) {
+        // Support queries have no pose.
+        if (order, query) == (Order::Crowd, SceneQuery::Support) {
+            continue;
         }
+        let title = format!("{}, {}: ns per query", query.name(), order.name());
+        let table = rows.table(&title, &["hulls", "vertices", "index", "bytes"], "engine", |row| {
+            let is_shown = row.text("order") == order.name() && row.text("query") == query.name();
+            is_shown.then(|| format!("{:.0}", row.number("ns")))
+        });
+        println!("{table}");
     }
+    finish(arguments.out.map(|path| (path, &rows)).as_slice())
 }
 
-fn measure(arguments: &Arguments) -> Vec<Record> {
+fn measure(arguments: &Arguments) -> Rows {
     let start = Instant::now();
     let counts = |chosen: &[u32], usual: [&[usize]; 2]| -> Vec<usize> {
         if chosen.is_empty() {
@@ -90,7 +82,7 @@ fn measure(arguments: &Arguments) -> Vec<Record> {
     };
     let kinds = if arguments.index.is_empty() { vec![IndexKind::Tree] } else { arguments.index.clone() };
     let effort = if arguments.quick { Effort::QUICK } else { Effort::FULL };
-    let mut records = Vec::new();
+    let mut rows = Rows::new(&["hulls", "vertices", "index", "bytes", "order", "query", "engine", "ns"]);
     for vertices in counts(&arguments.vertices, VERTICES) {
         for hulls in counts(&arguments.hulls, HULLS) {
             let at = start.elapsed().as_secs_f64();
@@ -101,11 +93,20 @@ fn measure(arguments: &Arguments) -> Vec<Record> {
             for kind in &kinds {
                 eprintln!("{:5.1} s  {hulls} hulls of {vertices} vertices, {kind}", start.elapsed().as_secs_f64());
                 let scene = Scene::bake(hulls, vertices, *kind);
-                let cells = race::run(&scene, vertices, effort);
-                records.push(Record { hulls, vertices, index: kind.to_string(), bytes: scene.byte_len(), cells });
+                for cell in race::run(&scene, vertices, effort) {
+                    rows.push(vec![
+                        hulls.to_string(),
+                        vertices.to_string(),
+                        kind.to_string(),
+                        scene.byte_len().to_string(),
+                        cell.order.name().to_owned(),
+                        cell.query.name().to_owned(),
+                        cell.engine.name().to_owned(),
+                        format!("{:.1}", cell.ns),
+                    ]);
+                }
             }
         }
     }
-    eprintln!("{:5.1} s  done", start.elapsed().as_secs_f64());
-    records
+    rows
 }

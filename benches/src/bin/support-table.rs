@@ -1,33 +1,42 @@
-//! Support queries beside parry3d: time in four modes, regret, bytes and build time, of all index
+//! Support queries beside parry3d: time in three modes, regret, bytes and build time, of all index
 //! kinds in one run.
 
 use std::{path::PathBuf, process::ExitCode, time::Instant};
 
 use clap::Parser;
+use hullmap_bake::IndexKind;
 use hullmap_bench::{
     directions,
-    eviction::Eviction,
-    machine::Machine,
-    measure::{self, Effort, Mode},
-    output,
-    query::Contestant,
     regret::Truth,
-    report::{Record, Report},
-    rivals,
-    subject::{FAMILIES, SEED, Subject},
+    rows::{Row, Rows, finish, three_digits},
+    subject::{FAMILIES, SEED, Subject, first_hull},
+    support::{self, Effort, Mode},
 };
 use shapes::families::{Family, MIN_POINTS};
 
 /// Vertex counts of the full table, and of the quick one.
-const COUNTS: [usize; 10] = [8, 32, 128, 256, 512, 1024, 2048, 8192, 32_768, 65_536];
-const QUICK_COUNTS: [usize; 4] = [8, 128, 1024, 8192];
+const COUNTS: [u32; 10] = [8, 32, 128, 256, 512, 1024, 2048, 8192, 32_768, 65_536];
+const QUICK_COUNTS: [u32; 4] = [8, 128, 1024, 8192];
 
 /// Families of the quick table.
 const QUICK_FAMILIES: [Family; 3] = [Family::Sphere, Family::Rock, Family::Prism];
 
-/// Number of directions in which answers are judged, and in a quick table.
+/// Number of directions in which answers are judged.
 const JUDGED: usize = 4_000;
-const QUICK_JUDGED: usize = 1_000;
+
+const COLUMNS: [&str; 11] = [
+    "family",
+    "n",
+    "vertices",
+    "rival",
+    "mode",
+    "ns",
+    "ns_quartile_1",
+    "ns_quartile_3",
+    "index_bytes",
+    "build_ms",
+    "max_regret",
+];
 
 /// Compares support queries with parry3d's, in one run.
 ///
@@ -46,9 +55,8 @@ struct Arguments {
     /// Point counts, separated by commas [default: 8 to 65536]
     #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(MIN_POINTS as i64..))]
     n: Vec<u32>,
-    /// Also write one table for each family as markdown, with facts about the machine, and as CSV
-    /// beside it
-    #[arg(long, value_name = "FILE")]
+    /// Also write the measurements as CSV
+    #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
 }
 
@@ -60,72 +68,58 @@ fn family(name: &str) -> Result<Family, String> {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
-    let report = measure_all(&arguments);
-    print!("{}", report.to_text());
-    let machine = Machine::here();
-    eprint!("{}", machine.to_markdown());
-    let markdown = || format!("# Support queries\n\n{}\n{}", machine.to_markdown(), report.to_markdown());
-    let write = |path: &PathBuf| {
-        output::write(path, &markdown())?;
-        output::write(&path.with_extension("csv"), report.to_csv().as_str())
-    };
-    match arguments.out.as_ref().map_or(Ok(()), write) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
-        }
+    let Arguments { quick, mut families, mut n, out } = Arguments::parse();
+    if families.is_empty() {
+        families = if quick { QUICK_FAMILIES.to_vec() } else { FAMILIES.to_vec() };
     }
-}
-
-fn measure_all(arguments: &Arguments) -> Report {
-    let quick = arguments.quick;
-    let families = match (arguments.families.is_empty(), quick) {
-        (false, _) => arguments.families.clone(),
-        (true, true) => QUICK_FAMILIES.to_vec(),
-        (true, false) => FAMILIES.to_vec(),
-    };
-    let counts: Vec<usize> = match (arguments.n.is_empty(), quick) {
-        (false, _) => arguments.n.iter().map(|&n| n as usize).collect(),
-        (true, true) => QUICK_COUNTS.to_vec(),
-        (true, false) => COUNTS.to_vec(),
-    };
-    let effort = if quick { Effort::QUICK } else { Effort::FULL };
-    let judged = if quick { QUICK_JUDGED } else { JUDGED };
-    let mut eviction = Eviction::new();
-    let mut report = Report::default();
+    if n.is_empty() {
+        n = if quick { QUICK_COUNTS.to_vec() } else { COUNTS.to_vec() };
+    }
     let start = Instant::now();
-    for family in families {
-        for &n in &counts {
+    let mut rows = Rows::new(&COLUMNS);
+    for &family in &families {
+        for &n in &n {
             eprintln!("{:5.1} s  {} {n}", start.elapsed().as_secs_f64(), family.name());
-            report.records.extend(measure_one(family, n, effort, judged, &mut eviction));
+            measure(family, n as usize, if quick { Effort::QUICK } else { Effort::FULL }, &mut rows);
         }
+        let name = family.name();
+        let table = |title: &str, labels: &[&str], cell: &dyn Fn(Row<'_>) -> String| {
+            let cell = |row: Row<'_>| (row.text("family") == name).then(|| cell(row));
+            println!("{}", rows.table(&format!("{name}: {title}"), labels, "n", cell));
+        };
+        table("ns per query", &["mode", "rival"], &|row| three_digits(row.number("ns")));
+        table("maximum regret over the diameter; bytes per vertex; ms to build the index", &["rival"], &|row| {
+            let bytes = row.number("index_bytes") / row.number("vertices");
+            format!("{:.0e}; {bytes:.0}; {}", row.number("max_regret"), row.text("build_ms"))
+        });
     }
-    eprintln!("{:5.1} s  done", start.elapsed().as_secs_f64());
-    report
+    let file = out.map(|path| (path, &rows));
+    finish(file.as_slice())
 }
 
-fn measure_one(family: Family, n: usize, effort: Effort, judged: usize, eviction: &mut Eviction) -> Vec<Record> {
+fn measure(family: Family, n: usize, effort: Effort, rows: &mut Rows) {
     let subject = Subject::new(family, n, SEED);
-    let mut entries = rivals::enter(&subject);
-    let truth = Truth::new(&subject, directions::awkward(&subject, judged, SEED));
-    let record = |entry: &dyn Contestant| Record {
-        family,
-        n,
-        vertices: subject.vertex_count(),
-        rival: entry.name().to_owned(),
-        index_bytes: entry.index_bytes(),
-        build_ms: entry.build_time().map(|time| time.as_secs_f64() * 1e3),
-        max_regret: truth.max_regret(&entry.answers(truth.dirs())),
-        timings: Vec::new(),
-    };
-    let mut records: Vec<Record> = entries.iter().map(|entry| record(entry.as_ref())).collect();
-    for mode in Mode::ALL {
-        let timings = measure::time(&mut entries, mode, effort, eviction, SEED);
-        for (record, timing) in records.iter_mut().zip(timings) {
-            record.timings.push((mode, timing));
+    let methods = support::methods(&subject);
+    let pack = subject.pack(IndexKind::None).0;
+    let hull = first_hull(&pack);
+    let truth = Truth::new(&subject.points, hull.diameter(), directions::awkward(&hull, JUDGED, SEED));
+    let regrets: Vec<f64> = methods.iter().map(|method| truth.max_regret(&method.answers(truth.dirs()))).collect();
+    for (mode_name, mode) in Mode::ALL {
+        let times = support::time(&methods, mode, effort, SEED);
+        for ((method, [low, median, high]), regret) in methods.iter().zip(times).zip(&regrets) {
+            rows.push(vec![
+                family.name().to_owned(),
+                n.to_string(),
+                hull.vertex_count().to_string(),
+                method.name.to_owned(),
+                mode_name.to_owned(),
+                format!("{median:.3}"),
+                format!("{low:.3}"),
+                format!("{high:.3}"),
+                method.index_bytes.to_string(),
+                method.build_time.map_or(String::new(), |time| format!("{:.3}", time.as_secs_f64() * 1e3)),
+                format!("{regret:e}"),
+            ]);
         }
     }
-    records
 }

@@ -3,18 +3,15 @@
 //! A benchmark that queries one hull repeatedly finds everything in the first-level cache. Games
 //! and robots query a different hull each time.
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
 //! | this one | the hulls of a scene, for hullmap and parry3d |
 //! | [`pairs`] | random pairs, and the neighbours in a moving crowd |
 //! | [`race`] | interleaved timing |
-//! | [`tables`] | the tables |
 
 pub mod pairs;
 pub mod race;
-pub mod tables;
 
-use glam::Vec3;
 use hullmap::{Hull, Pack};
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{bytes, point_set};
@@ -22,7 +19,7 @@ use parry3d::shape::ConvexPolyhedron;
 use rayon::prelude::*;
 use shapes::{families::Family, rng::SplitMix64};
 
-use crate::subject::SEED;
+use crate::subject::{SEED, polyhedron};
 
 /// Maximum number of vertices in a pack: sections of a pack hold at most 2 GiB.
 const VERTICES_OF_A_PACK: usize = 2_048_000;
@@ -51,7 +48,11 @@ impl Scene {
             })
             .collect();
         let hulls: Vec<Hull<'_>> = packs.iter().flat_map(Pack::hulls).collect();
-        let polyhedra = hulls.par_iter().map(polyhedron).collect();
+        let in_parry = |hull: &Hull<'_>| {
+            let convex_hull = || ConvexPolyhedron::from_convex_hull(&hull.vertices().collect::<Vec<_>>());
+            polyhedron(hull).or_else(convex_hull).expect("parry accepts ellipsoids")
+        };
+        let polyhedra = hulls.par_iter().map(in_parry).collect();
         Self { packs, polyhedra }
     }
 
@@ -72,20 +73,6 @@ fn ellipsoid(vertices: usize, number: usize) -> Vec<[f32; 3]> {
     let mut rng = SplitMix64::new(seed);
     let axes = [(); 3].map(|()| rng.between(SEMI_AXES[0], SEMI_AXES[1]) as f32);
     Family::Sphere.points(vertices, seed).iter().map(|p| std::array::from_fn(|i| p[i] * axes[i])).collect()
-}
-
-fn polyhedron(hull: &Hull<'_>) -> ConvexPolyhedron {
-    let vertices: Vec<Vec3> = hull.vertices().collect();
-    let triangles: Vec<[u32; 3]> = hull
-        .faces()
-        .flat_map(|face| {
-            let face: Vec<u32> = face.collect();
-            (2..face.len()).map(|i| [face[0], face[i - 1], face[i]]).collect::<Vec<_>>()
-        })
-        .collect();
-    ConvexPolyhedron::from_convex_mesh(vertices.clone(), &triangles)
-        .or_else(|| ConvexPolyhedron::from_convex_hull(&vertices))
-        .expect("parry accepts ellipsoids")
 }
 
 #[cfg(test)]

@@ -1,43 +1,28 @@
 //! The pairs of a scene: random ones, and the neighbours in a moving crowd.
 
 use glam::{DQuat, DVec3};
-use hullmap::{Hull, Pose, SupportMap};
-use parry3d::math;
+use hullmap::{Hull, SupportMap};
 use shapes::rng::SplitMix64;
 
 use crate::{
-    solver::pairs::{Class, STEP, TURN_RAD, touching_distance},
+    solver::pairs::{Class, Placed, STEP, TURN_RAD, random_rotation, touching_distance},
     subject::SEED,
 };
 
-/// Two hulls, by their indices in the scene, and a pose for each engine.
+/// Two hulls, by their indices in the scene, and the pose of the second.
 #[derive(Clone, Copy, Debug)]
-pub struct Placed {
+pub struct ScenePair {
     /// First hull.
     pub a: usize,
     /// Second hull.
     pub b: usize,
-    /// Pose for hullmap.
-    pub b_in_a: Pose,
-    /// The same pose for parry.
-    pub parry: math::Pose,
-}
-
-impl Placed {
-    fn new(a: usize, b: usize, translation: DVec3, rotation: DQuat) -> Self {
-        let (translation, rotation) = (translation.as_vec3(), rotation.as_quat());
-        let b_in_a = Pose::from_f32(translation, rotation).expect("finite");
-        Self { a, b, b_in_a, parry: math::Pose::from_parts(translation, rotation) }
-    }
-}
-
-fn random_rotation(rng: &mut SplitMix64) -> DQuat {
-    DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize()
+    /// Pose of B in A's frame.
+    pub placed: Placed,
 }
 
 /// `count` pairs of random hulls. A third penetrate, a third are within 2 % of touching, a third
 /// are separated, in turn.
-pub fn random(hulls: &[Hull<'_>], count: usize) -> Vec<Placed> {
+pub fn random(hulls: &[Hull<'_>], count: usize) -> Vec<ScenePair> {
     let mut rng = SplitMix64::new(SEED);
     let index = |rng: &mut SplitMix64| (rng.between(0.0, hulls.len() as f64) as usize).min(hulls.len() - 1);
     (0..count)
@@ -47,7 +32,7 @@ pub fn random(hulls: &[Hull<'_>], count: usize) -> Vec<Placed> {
             let [low, high] = Class::ALL[i % Class::ALL.len()].shares();
             let reach = touching_distance(&hulls[a], &hulls[b], rotation, direction) * rng.between(low, high);
             let center = hulls[a].interior_point() + direction * reach;
-            Placed::new(a, b, center - rotation * hulls[b].interior_point(), rotation)
+            ScenePair { a, b, placed: Placed::new(center - rotation * hulls[b].interior_point(), rotation) }
         })
         .collect()
 }
@@ -102,7 +87,7 @@ impl Crowd {
     }
 
     /// All pairs of neighbours at a frame.
-    pub fn frame(&self, frame: usize) -> Vec<Placed> {
+    pub fn frame(&self, frame: usize) -> Vec<ScenePair> {
         let time = frame as f64;
         let pose = |body: &CrowdBody| {
             let rotation = DQuat::from_axis_angle(body.axis, TURN_RAD * time) * body.rotation;
@@ -111,7 +96,8 @@ impl Crowd {
         let pair = |[a, b]: &[usize; 2]| {
             let ((at_a, rotation_a), (at_b, rotation_b)) = (pose(&self.bodies[*a]), pose(&self.bodies[*b]));
             let back = rotation_a.conjugate();
-            Placed::new(a % self.hull_count, b % self.hull_count, back * (at_b - at_a), back * rotation_b)
+            let placed = Placed::new(back * (at_b - at_a), back * rotation_b);
+            ScenePair { a: a % self.hull_count, b: b % self.hull_count, placed }
         };
         self.neighbours.iter().map(pair).collect()
     }
@@ -125,10 +111,10 @@ mod tests {
     use super::*;
     use crate::scene::Scene;
 
-    fn share_of_hits(hulls: &[Hull<'_>], pairs: &[Placed]) -> f64 {
-        let hits = pairs
-            .iter()
-            .filter(|pair| intersects(&hulls[pair.a], &hulls[pair.b], pair.b_in_a, &mut Cache::default()).is_hit());
+    fn share_of_hits(hulls: &[Hull<'_>], pairs: &[ScenePair]) -> f64 {
+        let hits = pairs.iter().filter(|pair| {
+            intersects(&hulls[pair.a], &hulls[pair.b], pair.placed.b_in_a, &mut Cache::default()).is_hit()
+        });
         hits.count() as f64 / pairs.len() as f64
     }
 

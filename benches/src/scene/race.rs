@@ -23,7 +23,7 @@ use parry3d::{
 
 use super::{
     Scene,
-    pairs::{Crowd, Placed, random},
+    pairs::{Crowd, ScenePair, random},
 };
 use crate::{
     clock::{median, time_ns},
@@ -244,7 +244,7 @@ impl<'s> Bench<'s> {
     }
 
     /// All pairs with empty caches, in each round.
-    fn random(&mut self, pairs: &[Placed]) {
+    fn random(&mut self, pairs: &[ScenePair]) {
         let mut answers = self.answers(pairs.len());
         for round in 0..self.effort.rounds {
             answers.caches.fill(Cache::default());
@@ -282,19 +282,23 @@ impl<'s> Bench<'s> {
         }
     }
 
-    fn one_by_one(&mut self, pairs: &[Placed], answers: &mut Answers) {
+    fn one_by_one(&mut self, pairs: &[ScenePair], answers: &mut Answers) {
         let (settings, manifold_settings) = (Settings::default(), manifold_settings());
         let (hulls, query) = (self.hulls, self.query);
-        let mut each = |i: usize, pair: &Placed| {
+        let mut each = |i: usize, pair: &ScenePair| {
             let (a, b, cache) = (&hulls[pair.a], &hulls[pair.b], &mut answers.caches[i]);
             match query {
                 SceneQuery::Support | SceneQuery::Intersects => {
-                    answers.intersections[i] = hullmap::intersects(a, b, pair.b_in_a, cache);
+                    answers.intersections[i] = hullmap::intersects(a, b, pair.placed.b_in_a, cache);
                 }
-                SceneQuery::Distance => answers.distances[i] = hullmap::distance(a, b, pair.b_in_a, &settings, cache),
-                SceneQuery::Contact => answers.contacts[i] = hullmap::contact(a, b, pair.b_in_a, &settings, cache),
+                SceneQuery::Distance => {
+                    answers.distances[i] = hullmap::distance(a, b, pair.placed.b_in_a, &settings, cache)
+                }
+                SceneQuery::Contact => {
+                    answers.contacts[i] = hullmap::contact(a, b, pair.placed.b_in_a, &settings, cache)
+                }
                 SceneQuery::Manifold => {
-                    answers.manifolds[i].update(a, b, pair.b_in_a, &manifold_settings, cache);
+                    answers.manifolds[i].update(a, b, pair.placed.b_in_a, &manifold_settings, cache);
                 }
             }
         };
@@ -305,8 +309,12 @@ impl<'s> Bench<'s> {
         }
     }
 
-    fn in_a_batch(&mut self, pairs: &[Placed], answers: &mut Answers) {
-        let pair = |pair: &Placed| batch::Pair { a: &self.hulls[pair.a], b: &self.hulls[pair.b], b_in_a: pair.b_in_a };
+    fn in_a_batch(&mut self, pairs: &[ScenePair], answers: &mut Answers) {
+        let pair = |pair: &ScenePair| batch::Pair {
+            a: &self.hulls[pair.a],
+            b: &self.hulls[pair.b],
+            b_in_a: pair.placed.b_in_a,
+        };
         let pairs: Vec<batch::Pair<'_, Hull<'_>, Hull<'_>>> = pairs.iter().map(pair).collect();
         let (settings, manifold_settings) = (Settings::default(), manifold_settings());
         for (number, piece) in pairs.chunks(PIECE).enumerate() {
@@ -329,7 +337,7 @@ impl<'s> Bench<'s> {
     }
 
     /// The next window of the pairs.
-    fn parry(&mut self, pairs: &[Placed], round: usize) {
+    fn parry(&mut self, pairs: &[ScenePair], round: usize) {
         const SUPPORTED: &str = "parry supports two polyhedra";
         let window = self.parry_window.min(pairs.len());
         let from = (round * window) % (pairs.len() - window + 1);
@@ -337,8 +345,8 @@ impl<'s> Bench<'s> {
         let mut workspace = None;
         let identity = math::Pose::IDENTITY;
         let (query, polyhedra) = (self.query, &self.scene.polyhedra);
-        let mut each = |pair: &Placed| {
-            let (a, b, pose) = (&polyhedra[pair.a], &polyhedra[pair.b], &pair.parry);
+        let mut each = |pair: &ScenePair| {
+            let (a, b, pose) = (&polyhedra[pair.a], &polyhedra[pair.b], &pair.placed.parry);
             match query {
                 SceneQuery::Support | SceneQuery::Intersects => {
                     black_box(query::intersection_test(&identity, a, pose, b).expect(SUPPORTED));

@@ -6,7 +6,10 @@ use std::{hint::black_box, time::Instant};
 use hullmap::{Cache, Hull, Settings, contact, distance, intersects};
 use parry3d::{math, query, shape::ConvexPolyhedron};
 
-use super::pairs::{BakedPair, Placed};
+use super::pairs::Placed;
+
+/// Why parry's queries of two polyhedra cannot fail.
+pub const SUPPORTED: &str = "parry supports two polyhedra";
 
 /// Kind of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,46 +47,30 @@ pub struct Cost {
 
 /// One query of hullmap. The answer is not copied, and neither is parry's.
 #[inline]
-pub fn hullmap(
-    query: PairQuery,
-    [a, b]: &[Hull<'_>; 2],
-    placed: &Placed,
-    settings: &Settings,
-    cache: &mut Cache,
-) -> Cost {
+pub fn hullmap(query: PairQuery, [a, b]: &[Hull<'_>; 2], placed: &Placed, cache: &mut Cache) -> Cost {
+    let settings = Settings::default();
+    macro_rules! cost {
+        ($answer:expr) => {{
+            let answer = $answer;
+            black_box(&answer);
+            Cost { support_calls: answer.support_calls, iterations: answer.iterations }
+        }};
+    }
     match query {
-        PairQuery::Contact => {
-            let c = contact(a, b, placed.b_in_a, settings, cache);
-            black_box(&c);
-            Cost { support_calls: c.support_calls, iterations: c.iterations }
-        }
-        PairQuery::Intersects => {
-            let c = intersects(a, b, placed.b_in_a, cache);
-            black_box(&c);
-            Cost { support_calls: c.support_calls, iterations: c.iterations }
-        }
-        PairQuery::Distance => {
-            let c = distance(a, b, placed.b_in_a, settings, cache);
-            black_box(&c);
-            Cost { support_calls: c.support_calls, iterations: c.iterations }
-        }
+        PairQuery::Contact => cost!(contact(a, b, placed.b_in_a, &settings, cache)),
+        PairQuery::Intersects => cost!(intersects(a, b, placed.b_in_a, cache)),
+        PairQuery::Distance => cost!(distance(a, b, placed.b_in_a, &settings, cache)),
     }
 }
 
 /// One query of parry.
 #[inline]
-fn parrys(query: PairQuery, [a, b]: &[ConvexPolyhedron; 2], placed: &Placed) {
-    const SUPPORTED: &str = "parry supports two polyhedra";
+pub fn parrys(query: PairQuery, [a, b]: &[ConvexPolyhedron; 2], placed: &Placed) {
+    let (here, there) = (&math::Pose::IDENTITY, &placed.parry);
     match query {
-        PairQuery::Contact => {
-            black_box(&query::contact(&math::Pose::IDENTITY, a, &placed.parry, b, 0.0).expect(SUPPORTED));
-        }
-        PairQuery::Intersects => {
-            black_box(&query::intersection_test(&math::Pose::IDENTITY, a, &placed.parry, b).expect(SUPPORTED));
-        }
-        PairQuery::Distance => {
-            black_box(&query::distance(&math::Pose::IDENTITY, a, &placed.parry, b).expect(SUPPORTED));
-        }
+        PairQuery::Contact => _ = black_box(&query::contact(here, a, there, b, 0.0).expect(SUPPORTED)),
+        PairQuery::Intersects => _ = black_box(&query::intersection_test(here, a, there, b).expect(SUPPORTED)),
+        PairQuery::Distance => _ = black_box(&query::distance(here, a, there, b).expect(SUPPORTED)),
     }
 }
 
@@ -106,7 +93,7 @@ impl Samples {
     }
 
     /// Times all `items`, piece by piece.
-    fn round<T>(&mut self, items: &[T], mut run: impl FnMut(&T)) {
+    pub fn round<T>(&mut self, items: &[T], mut run: impl FnMut(&T)) {
         debug_assert_eq!(items.len(), self.queries);
         let mut start = Instant::now();
         for (piece, times_ns) in black_box(items).chunks(self.piece).zip(&mut self.times_ns) {
@@ -126,31 +113,6 @@ impl Samples {
     /// Number of queries in a round.
     pub fn queries(&self) -> usize {
         self.queries
-    }
-
-    /// A round with empty caches.
-    pub fn cold(&mut self, query: PairQuery, hulls: &[Hull<'_>; 2], poses: &[Placed]) {
-        let settings = Settings::default();
-        self.round(poses, |placed| {
-            hullmap(query, hulls, placed, &settings, &mut Cache::default());
-        });
-    }
-
-    /// A round of `frames`, in which `paths` paths take turns, with a cache for each path. The
-    /// caches are empty at the start of the round.
-    pub fn warm(&mut self, query: PairQuery, hulls: &[Hull<'_>; 2], frames: &[Placed], paths: usize) {
-        let settings = Settings::default();
-        let mut caches = vec![Cache::default(); paths];
-        let mut path = 0;
-        self.round(frames, |placed| {
-            hullmap(query, hulls, placed, &settings, &mut caches[path]);
-            path = if path + 1 == paths { 0 } else { path + 1 };
-        });
-    }
-
-    /// A round of parry.
-    pub fn parry(&mut self, query: PairQuery, pair: &BakedPair, poses: &[Placed]) {
-        self.round(poses, |placed| parrys(query, pair.polyhedra(), placed));
     }
 }
 

@@ -4,10 +4,11 @@
 //! and headers come from the package `mujoco` of PyPI, so the workspace does not need MuJoCo.
 
 use std::{
-    fmt::Write,
-    fs, io,
+    fmt::Write as _,
+    fs,
+    io::{self, BufRead, BufReader, Lines, Write as _},
     path::{Path, PathBuf},
-    process::Command,
+    process::{Child, ChildStdin, ChildStdout, Command, Stdio},
 };
 
 use glam::DVec3;
@@ -15,11 +16,8 @@ use hullmap::Hull;
 use hullmap_testkit::packs::tree_pack;
 use tempfile::TempDir;
 
-use super::pairs::{Class, Placed};
-use crate::{
-    known::Known,
-    peer_program::{PeerProgram, compile},
-};
+use super::pairs::Placed;
+use crate::{known::Known, subject::first_hull};
 
 /// Maximum number of steps of GJK, and of EPA. MuJoCo's default is 35, with which EPA does not end
 /// on hulls of many vertices.
@@ -59,7 +57,10 @@ impl MuJoCo {
             .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("peers/mujoco.c"))
             .arg(&library)
             .arg(format!("-Wl,-rpath,{}", package.display()));
-        compile(&mut cc)?;
+        let compiled = cc.output().map_err(|e| format!("cc: {e}"))?;
+        if !compiled.status.success() {
+            return Err(format!("cc: {}", String::from_utf8_lossy(&compiled.stderr).trim()));
+        }
         Ok(Self { folder, program, version: version.to_owned() })
     }
 
@@ -67,11 +68,11 @@ impl MuJoCo {
     pub fn prove(&self) -> Result<String, String> {
         let known = Known::boxes();
         let packs = known.corners.map(|corners| tree_pack(&corners));
-        let hulls = packs.each_ref().map(|pack| pack.hull(0).expect("a pack has a hull"));
+        let hulls = packs.each_ref().map(first_hull);
         known.prove(&format!("MuJoCo {}", self.version), |pose| {
-            let placed = Placed::from_pose(Class::Penetrating, pose.b_in_a);
+            let placed = Placed::new(pose.b_in_a.translation(), pose.b_in_a.rotation());
             let session = self.start(hulls, &[&placed]).map_err(|error| error.to_string())?;
-            Ok(session.contacts[0].map(|(depth, normal)| (depth, Some(normal))))
+            Ok(session.contacts[0])
         })
     }
 
@@ -101,8 +102,10 @@ impl MuJoCo {
         let mut command = Command::new(&self.program);
         // MuJoCo writes its log into the current folder.
         command.arg(model_file).arg(pose_file).current_dir(self.folder.path());
-        let program = PeerProgram::start(&mut command)?;
-        let mut session = Session { program, contacts: Vec::new() };
+        let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
+        let pipes = child.stdin.take().zip(child.stdout.take());
+        let (requests, answers) = pipes.ok_or_else(|| io::Error::other("the program has no pipes"))?;
+        let mut session = Session { child, requests, answers: BufReader::new(answers).lines(), contacts: Vec::new() };
         for _ in poses {
             let depth = session.number()?;
             let normal = DVec3::new(session.number()?, session.number()?, session.number()?);
@@ -121,10 +124,12 @@ fn library(package: &Path) -> io::Result<PathBuf> {
     paths.find(is_library).ok_or_else(|| io::Error::new(io::ErrorKind::NotFound, "no libmujoco"))
 }
 
-/// A running program.
+/// A running program. It is ended when this is dropped.
 #[derive(Debug)]
 pub struct Session {
-    program: PeerProgram,
+    child: Child,
+    requests: ChildStdin,
+    answers: Lines<BufReader<ChildStdout>>,
     /// Depth and normal of each pose, from A to B; `None` without a contact.
     pub contacts: Vec<Option<(f64, DVec3)>>,
 }
@@ -133,13 +138,21 @@ impl Session {
     /// Processor time in nanoseconds per query, over the poses `first`, `first + step`, … below
     /// `end`, which were answered once just before. Fails if the program has ended.
     pub fn time_ns(&mut self, first: usize, end: usize, step: usize) -> io::Result<f64> {
-        self.program.ask(&format!("{first} {end} {step}"))?;
+        writeln!(self.requests, "{first} {end} {step}")?;
         self.number()
     }
 
     fn number(&mut self) -> io::Result<f64> {
-        let line = self.program.answer()?;
+        let line = self.answers.next().ok_or_else(|| io::Error::other("MuJoCo's program has ended"))??;
         line.trim().parse().map_err(|_| io::Error::other(format!("MuJoCo's program: {line:?} is not a number")))
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        // The program may have ended already.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
     }
 }
 
@@ -154,5 +167,15 @@ mod tests {
         // A program that succeeds and prints nothing.
         let error = MuJoCo::find(Path::new("true")).unwrap_err();
         assert!(error.contains("pip install mujoco"), "{error}");
+    }
+
+    #[test]
+    fn programs_without_right_answers_are_refused() {
+        // `echo` prints the names of the files, unless the request finds that it has ended.
+        for program in ["echo", "true", "no-such-program"] {
+            let folder = tempfile::tempdir().expect("a folder");
+            let refusal = MuJoCo { folder, program: program.into(), version: "0".into() }.prove().unwrap_err();
+            assert!(refusal.starts_with("MuJoCo 0: two known boxes: "), "{refusal}");
+        }
     }
 }

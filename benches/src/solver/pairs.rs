@@ -7,12 +7,13 @@
 //! Poses are rounded to single precision first, so that both engines get the same ones.
 
 use glam::{DQuat, DVec3, Quat, Vec3};
+use hullmap::SupportMap as _;
 use hullmap::{Cache, Hull, Pack, Pose, intersects};
 use hullmap_bake::IndexKind;
 use parry3d::{math, shape::ConvexPolyhedron};
 use shapes::{families::Family, rng::SplitMix64};
 
-use crate::{rivals::parry::Parry, subject::Subject};
+use crate::subject::{Subject, first_hull, polyhedron};
 
 /// The families whose pairs are compared.
 pub const FAMILIES: [Family; 3] = [Family::Sphere, Family::ClusteredEllipsoid, Family::Rock];
@@ -63,8 +64,6 @@ impl Class {
 /// Pose of B, for both engines.
 #[derive(Clone, Copy, Debug)]
 pub struct Placed {
-    /// State of the pair.
-    pub class: Class,
     /// Pose for hullmap.
     pub b_in_a: Pose,
     /// The same pose for parry.
@@ -72,47 +71,68 @@ pub struct Placed {
 }
 
 impl Placed {
-    /// A pose for hullmap, and parry's rounding of it.
-    pub fn from_pose(class: Class, b_in_a: Pose) -> Self {
-        Self::new(class, b_in_a.translation(), b_in_a.rotation())
+    /// Rounds a pose to single precision.
+    pub fn new(translation: DVec3, rotation: DQuat) -> Self {
+        let (translation, rotation): (Vec3, Quat) = (translation.as_vec3(), rotation.as_quat());
+        let b_in_a = Pose::from_f32(translation, rotation).expect("finite");
+        Self { b_in_a, parry: math::Pose::from_parts(translation, rotation) }
+    }
+}
+
+/// Selection of poses, in which the classes alternate: all, or one class.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mix {
+    /// All classes, a third each.
+    All,
+    /// One class.
+    Only(Class),
+}
+
+impl Mix {
+    /// All mixes, in the order of tables.
+    pub const ALL: [Mix; 4] =
+        [Mix::All, Mix::Only(Class::Penetrating), Mix::Only(Class::NearTouching), Mix::Only(Class::Separated)];
+
+    /// Its name in tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Mix::All => "all",
+            Mix::Only(class) => class.name(),
+        }
     }
 
-    fn new(class: Class, translation: DVec3, rotation: DQuat) -> Self {
-        let (translation, rotation): (Vec3, Quat) = (translation.as_vec3(), rotation.as_quat());
-        Self {
-            class,
-            b_in_a: Pose::from_f32(translation, rotation).expect("finite"),
-            parry: math::Pose::from_parts(translation, rotation),
+    /// Index of the first pose, and the step to the next.
+    pub fn stride(self) -> (usize, usize) {
+        match self {
+            Mix::All => (0, 1),
+            Mix::Only(class) => (class as usize, Class::ALL.len()),
         }
+    }
+
+    /// The selected poses.
+    pub fn select(self, poses: &[Placed]) -> Vec<Placed> {
+        let (first, step) = self.stride();
+        poses.iter().skip(first).step_by(step).copied().collect()
     }
 }
 
 /// Two hulls of a family, for both engines.
 pub struct BakedPair {
-    /// The family.
-    pub family: Family,
     packs: [Pack; 2],
     polyhedra: [ConvexPolyhedron; 2],
-    /// Vertices of both hulls together: fewer than 2 n if some points are not extreme.
-    pub vertices: usize,
 }
 
 impl BakedPair {
     /// Bakes two hulls of `n` points; `None` if parry rejects one of them or drops vertices.
     pub fn bake(family: Family, n: usize, seed: u64) -> Option<Self> {
-        let subjects = [0, 1].map(|index| Subject::new(family, n, seed + index));
-        let [a, b] = subjects.each_ref().map(|subject| Parry::new(subject).map(Parry::into_polyhedron));
-        Some(Self {
-            family,
-            packs: subjects.each_ref().map(|subject| subject.pack(IndexKind::Tree)),
-            polyhedra: [a?, b?],
-            vertices: subjects.iter().map(Subject::vertex_count).sum(),
-        })
+        let packs = [0, 1].map(|index| Subject::new(family, n, seed + index).pack(IndexKind::Tree).0);
+        let [a, b] = packs.each_ref().map(|pack| polyhedron(&first_hull(pack)));
+        Some(Self { packs, polyhedra: [a?, b?] })
     }
 
     /// A and B.
     pub fn hulls(&self) -> [Hull<'_>; 2] {
-        self.packs.each_ref().map(|pack| pack.hull(0).expect("a pack has a hull"))
+        self.packs.each_ref().map(first_hull)
     }
 
     /// A and B as parry's polyhedra.
@@ -134,7 +154,7 @@ impl BakedPair {
 
     /// Straight paths past A, `count` of each class. At the middle frame B has the distance of its
     /// class, and it moves sideways. Paths take turns, as the pairs of a scene do: all first
-    /// frames, with alternating classes, then all second frames. A frame has the class of its path.
+    /// frames, with alternating classes, then all second frames.
     pub fn frames(&self, count: usize, frames: usize, rng: &mut SplitMix64) -> Vec<Placed> {
         let middles: Vec<Middle> =
             (0..count).flat_map(|_| Class::ALL).map(|class| self.somewhere(class, rng)).collect();
@@ -144,21 +164,19 @@ impl BakedPair {
 
     fn somewhere(&self, class: Class, rng: &mut SplitMix64) -> Middle {
         let [a, b] = self.hulls();
-        let rotation = DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize();
+        let rotation = random_rotation(rng);
         let direction = DVec3::from_array(rng.direction());
         let [low, high] = class.shares();
         let reach = touching_distance(&a, &b, rotation, direction) * rng.between(low, high);
         let axis = DVec3::from_array(rng.direction());
         let across = direction.cross(axis).normalize() * STEP * self.diameter();
-        let center_b = hullmap::SupportMap::interior_point(&b);
-        let center = hullmap::SupportMap::interior_point(&a) + direction * reach;
-        Middle { class, center, center_b, rotation, axis, across }
+        let center = a.interior_point() + direction * reach;
+        Middle { center, center_b: b.interior_point(), rotation, axis, across }
     }
 }
 
 /// The middle of a path.
 struct Middle {
-    class: Class,
     /// B's interior point, in A's frame and in B's.
     center: DVec3,
     center_b: DVec3,
@@ -172,14 +190,18 @@ struct Middle {
 impl Middle {
     fn at_frame(&self, frame: f64) -> Placed {
         let rotation = DQuat::from_axis_angle(self.axis, TURN_RAD * frame) * self.rotation;
-        Placed::new(self.class, self.center + self.across * frame - rotation * self.center_b, rotation)
+        Placed::new(self.center + self.across * frame - rotation * self.center_b, rotation)
     }
+}
+
+/// A random rotation.
+pub fn random_rotation(rng: &mut SplitMix64) -> DQuat {
+    DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize()
 }
 
 /// Distance of the interior points when B, rotated by `rotation`, touches A in direction
 /// `direction`.
 pub fn touching_distance(a: &Hull<'_>, b: &Hull<'_>, rotation: DQuat, direction: DVec3) -> f64 {
-    use hullmap::SupportMap;
     let from = a.interior_point() - rotation * b.interior_point();
     let (mut inside, mut outside) = (0.0, a.outer_radius() + b.outer_radius());
     for _ in 0..BISECTIONS {
@@ -200,11 +222,9 @@ mod tests {
         for family in FAMILIES {
             let pair = BakedPair::bake(family, 60, SEED).expect("parry accepts it");
             let [a, b] = pair.hulls();
-            let hits = |class: Class| {
-                let poses = pair.poses(60, &mut SplitMix64::new(SEED));
-                let of = poses.iter().filter(|placed| placed.class == class);
-                of.filter(|placed| intersects(&a, &b, placed.b_in_a, &mut Cache::default()).is_hit()).count()
-            };
+            let poses = pair.poses(60, &mut SplitMix64::new(SEED));
+            let hit = |placed: &Placed| intersects(&a, &b, placed.b_in_a, &mut Cache::default()).is_hit();
+            let hits = |class: Class| Mix::Only(class).select(&poses).into_iter().filter(hit).count();
             assert_eq!((hits(Class::Penetrating), hits(Class::Separated)), (60, 0), "{}, seed {SEED}", family.name());
             let touching = hits(Class::NearTouching);
             assert!((15..=45).contains(&touching), "{}: {touching} of 60 overlap, seed {SEED}", family.name());
@@ -214,12 +234,11 @@ mod tests {
     #[test]
     fn frames_are_a_step_and_a_degree_apart() {
         let pair = BakedPair::bake(Family::Rock, 40, SEED).expect("parry accepts it");
-        let center = hullmap::SupportMap::interior_point(&pair.hulls()[1]);
+        let center = pair.hulls()[1].interior_point();
         let frames = pair.frames(2, 9, &mut SplitMix64::new(SEED));
         let paths = 2 * Class::ALL.len();
         assert_eq!(frames.len(), 9 * paths);
         for (from, to) in frames.iter().zip(&frames[paths..]) {
-            assert_eq!(from.class, to.class);
             let [from, to] = [from.b_in_a, to.b_in_a];
             let step = from.transform_point(center).distance(to.transform_point(center)) / pair.diameter();
             let turn = from.rotation().angle_between(to.rotation());

@@ -8,7 +8,10 @@ use hullmap::{Cache, Settings, Status, contact, distance, intersects};
 use hullmap_testkit::reach::{self, way_out};
 use parry3d::{math, query};
 
-use super::pairs::{BakedPair, Placed};
+use super::{
+    engines::SUPPORTED,
+    pairs::{BakedPair, Placed},
+};
 
 /// Differences over all pairs of one vertex count.
 #[derive(Clone, Debug, Default)]
@@ -40,7 +43,6 @@ pub struct Differences {
 impl Differences {
     /// Compares both engines on all `poses`.
     pub fn add(&mut self, pair: &BakedPair, poses: &[Placed]) {
-        const SUPPORTED: &str = "parry supports two polyhedra";
         let ([a, b], [parry_a, parry_b]) = (&pair.hulls(), pair.polyhedra());
         let (settings, here, diameter) = (Settings::default(), math::Pose::IDENTITY, pair.diameter());
         for placed in poses {
@@ -72,21 +74,44 @@ impl Differences {
             }
         }
     }
+
+    /// All measures by name; errors with their 99th percentile and their maximum.
+    pub fn measures(&self) -> Vec<(String, String)> {
+        let (above, below, width) = (|v: f64| v.max(0.0), |v: f64| (-v).max(0.0), |v: f64| v);
+        let errors = [
+            ("parry's depth above the interval", p99_and_worst(&self.depth, above)),
+            ("parry's depth below the interval", p99_and_worst(&self.depth, below)),
+            ("parry's distance above the interval", p99_and_worst(&self.distance, above)),
+            ("parry's distance below the interval", p99_and_worst(&self.distance, below)),
+            ("relative width of hullmap's depth interval", p99_and_worst(&self.depth_width, width)),
+            ("relative width of hullmap's distance interval", p99_and_worst(&self.distance_width, width)),
+        ];
+        let counts = [
+            ("pairs", self.pairs),
+            ("pairs that overlap", self.hits),
+            ("parry's yes/no differs", self.parry_yes_no),
+            ("parry finds no contact for an overlapping pair", self.parry_no_contact),
+            ("hullmap's depths disproved by parry's normal", self.disproved),
+            ("hullmap's contacts that reached a limit", self.limited),
+            ("hullmap's contacts stopped by rounding error", self.stalled),
+        ];
+        let errors = errors.into_iter().flat_map(|(name, values)| {
+            [": p99", ": worst"]
+                .into_iter()
+                .zip(values)
+                .map(move |(of, value)| (format!("{name}{of}"), format!("{value:.2e}")))
+        });
+        errors.chain(counts.map(|(name, count)| (name.to_owned(), count.to_string()))).collect()
+    }
 }
 
 /// Excess of `value` above (positive) or below (negative) the interval; 0 inside it.
 fn beyond(value: f64, lower: f64, upper: f64) -> f64 {
-    if value > upper {
-        value - upper
-    } else if value < lower {
-        value - lower
-    } else {
-        0.0
-    }
+    (value - upper).max(0.0) + (value - lower).min(0.0)
 }
 
 /// The 99th percentile and the maximum of `of(value)`; zeros without values.
-pub fn p99_and_worst(values: &[f64], of: impl Fn(f64) -> f64) -> [f64; 2] {
+fn p99_and_worst(values: &[f64], of: impl Fn(f64) -> f64) -> [f64; 2] {
     let mut values: Vec<f64> = values.iter().map(|&v| of(v)).collect();
     values.sort_unstable_by(f64::total_cmp);
     match values.last() {
