@@ -105,7 +105,7 @@ pub fn built(more: &[&str]) -> PathBuf {
     // Without `--package`, and with a test: cargo then selects the features of the default members
     // and of their dev-dependencies, as for `cargo test`, so that no crate is built twice. This
     // test compiles in a moment, if it is not up to date.
-    let words = ["build", "--bin", "bake", "--test", "assets", "--message-format", "json", "--profile", profile];
+    let words = ["build", "--bin", "bake", "--test", "drift", "--message-format", "json", "--profile", profile];
     let words = words.into_iter().chain(more.iter().copied()).map(OsStr::new);
     let built = cargo(words.chain([OsStr::new("--target-dir"), target]));
     let messages = String::from_utf8(built.stdout).expect("cargo prints UTF-8");

@@ -7,7 +7,7 @@ use hullmap::{Hull, Pack};
 use hullmap_outside::command::bake_line as bake;
 use shapes::families::Family;
 use shapes::mesh::Mesh;
-use shapes::obj::{Document, Object};
+use shapes::obj;
 use shapes::solids::{extrusion, regular_polygon};
 use tempfile::TempDir;
 
@@ -37,11 +37,7 @@ fn packs(folder: &TempDir) -> Vec<(String, Pack)> {
 }
 
 fn write(folder: &TempDir, name: &str, mesh: &Mesh) {
-    fs::write(
-        folder.path().join(name),
-        Document { objects: vec![Object::from_mesh(None, mesh)], ..Document::default() }.to_text(),
-    )
-    .unwrap();
+    fs::write(folder.path().join(name), obj::text(mesh)).unwrap();
 }
 
 /// A rock of hundreds of vertices, a prism of many sides, an L, and a box.

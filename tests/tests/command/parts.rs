@@ -12,12 +12,7 @@ use hullmap_format::{archive::ArchivedHullRecord, header::source_hash, version::
 use hullmap_outside::command::bake_line as bake;
 use hullmap_testkit::packs::{self, Further};
 use hullmap_tests::hostile::patch::{archive, changed, payload};
-use shapes::{
-    concave,
-    families::Family,
-    obj::{Document, Object},
-    rng::SplitMix64,
-};
+use shapes::{concave, families::Family, obj, rng::SplitMix64};
 use tempfile::TempDir;
 
 /// A U of three bars, as boxes that touch.
@@ -172,8 +167,7 @@ fn overstated_covers_and_protrusions_fail() {
     fs::write(folder.path().join("x.obj"), horseshoe("u")).unwrap();
     bake(&folder, "build x.obj --out baked --decompose --max-parts 2").expect(0);
     assert_claims_are_tight(&folder, &fs::read(folder.path().join("baked/x.hullmap")).unwrap(), false);
-    let bent = Document { objects: vec![Object::from_mesh(None, &concave::horseshoe(8))], ..Document::default() };
-    fs::write(folder.path().join("x.obj"), bent.to_text()).unwrap();
+    fs::write(folder.path().join("x.obj"), obj::text(&concave::horseshoe(8))).unwrap();
     bake(&folder, "build x.obj --out baked --decompose --max-error 5%").expect(0);
     let file = fs::read(folder.path().join("baked/x.hullmap")).unwrap();
     assert_claims_are_tight(&folder, &file, false);

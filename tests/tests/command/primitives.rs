@@ -7,12 +7,7 @@ use glam::{DQuat, DVec3};
 use hullmap::Pack;
 use hullmap_outside::command::bake_line as bake;
 use hullmap_testkit::packs::{Further, with_record};
-use shapes::{
-    mesh::Mesh,
-    obj::{Document, Object},
-    rng::SplitMix64,
-    solids::lathe,
-};
+use shapes::{mesh::Mesh, obj::text, rng::SplitMix64, solids::lathe};
 
 use crate::parts::boxes;
 
@@ -43,11 +38,6 @@ fn rounded(half: f64) -> Mesh {
 fn numbers(element: &str, attribute: &str) -> Vec<f64> {
     let (_, rest) = element.split_once(&format!(" {attribute}=\"")).unwrap_or_else(|| panic!("{element}"));
     rest.split('"').next().unwrap().split(' ').map(|number| number.parse().unwrap()).collect()
-}
-
-/// An OBJ file of a mesh.
-fn text(mesh: &Mesh) -> String {
-    Document { objects: vec![Object::from_mesh(None, mesh)], ..Document::default() }.to_text()
 }
 
 #[test]

@@ -4,16 +4,7 @@ use std::fs;
 
 use hullmap::Pack;
 use hullmap_outside::command::bake_line as bake;
-use shapes::{
-    cubes,
-    mesh::Mesh,
-    obj::{Document, Object},
-};
-
-/// An OBJ file of a mesh.
-fn text(mesh: &Mesh) -> String {
-    Document { objects: vec![Object::from_mesh(None, mesh)], ..Document::default() }.to_text()
-}
+use shapes::{cubes, obj::text};
 
 #[test]
 fn filled_parts_are_recorded_and_verified() {

@@ -38,9 +38,6 @@ pub const FLAT_SHEET_Z: f32 = 0.25;
 /// Maximum number of candidates for each point. After that, the family has no more distinct points.
 const MAX_TRIES_PER_POINT: usize = 64;
 
-/// The signature that all families share.
-pub type Generator = fn(usize, u64) -> Vec<[f32; 3]>;
-
 /// A point family. Families can be iterated over and looked up by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Family {
@@ -87,22 +84,27 @@ impl Family {
         Family::Needle,
     ];
 
+    /// Name and function of the family.
+    const fn generator(self) -> (&'static str, fn(usize, u64) -> Vec<[f32; 3]>) {
+        match self {
+            Family::Sphere => ("sphere", sphere),
+            Family::ClusteredEllipsoid => ("clustered_ellipsoid", clustered_ellipsoid),
+            Family::Rock => ("rock", rock),
+            Family::Prism => ("prism", prism),
+            Family::RotatedPrism => ("rotated_prism", rotated_prism),
+            Family::Cone => ("cone", cone),
+            Family::Lens => ("lens", lens),
+            Family::UvSphere => ("uv_sphere", uv_sphere),
+            Family::Ball => ("ball", ball),
+            Family::CubeGrid => ("cube_grid", cube_grid),
+            Family::FlatSheet => ("flat_sheet", flat_sheet),
+            Family::Needle => ("needle", needle),
+        }
+    }
+
     /// Name of the family and of its function.
     pub const fn name(self) -> &'static str {
-        match self {
-            Family::Sphere => "sphere",
-            Family::ClusteredEllipsoid => "clustered_ellipsoid",
-            Family::Rock => "rock",
-            Family::Prism => "prism",
-            Family::RotatedPrism => "rotated_prism",
-            Family::Cone => "cone",
-            Family::Lens => "lens",
-            Family::UvSphere => "uv_sphere",
-            Family::Ball => "ball",
-            Family::CubeGrid => "cube_grid",
-            Family::FlatSheet => "flat_sheet",
-            Family::Needle => "needle",
-        }
+        self.generator().0
     }
 
     /// The family with this name, if there is one.
@@ -110,41 +112,10 @@ impl Family {
         Family::ALL.into_iter().find(|family| family.name() == name)
     }
 
-    /// The function behind the family.
-    pub const fn generator(self) -> Generator {
-        match self {
-            Family::Sphere => sphere,
-            Family::ClusteredEllipsoid => clustered_ellipsoid,
-            Family::Rock => rock,
-            Family::Prism => prism,
-            Family::RotatedPrism => rotated_prism,
-            Family::Cone => cone,
-            Family::Lens => lens,
-            Family::UvSphere => uv_sphere,
-            Family::Ball => ball,
-            Family::CubeGrid => cube_grid,
-            Family::FlatSheet => flat_sheet,
-            Family::Needle => needle,
-        }
-    }
-
     /// Exactly `n` points of the family. Panics if `n` is below [`MIN_POINTS`], or above the number
     /// of distinct `f32` points of the family.
     pub fn points(self, n: usize, seed: u64) -> Vec<[f32; 3]> {
-        self.generator()(n, seed)
-    }
-
-    /// Affine rank of the points: 3 for solids, 2 for [`flat_sheet`].
-    pub const fn rank(self) -> usize {
-        match self {
-            Family::FlatSheet => 2,
-            _ => 3,
-        }
-    }
-
-    /// Whether all points are vertices of the hull, up to rounding to `f32`.
-    pub const fn all_extreme(self) -> bool {
-        !matches!(self, Family::Ball | Family::CubeGrid | Family::FlatSheet)
+        self.generator().1(n, seed)
     }
 
     /// Whether the seed changes the points.
@@ -453,56 +424,56 @@ mod tests {
         cone(0, 0);
     }
 
+    /// How far a point lies off the surface that the family's points lie on, in `f32` steps.
+    fn error(family: Family, point: [f32; 3]) -> f64 {
+        let p @ [x, y, z] = to_f64(point);
+        let off_cap = (z.abs() - 1.0).abs();
+        match family {
+            Family::Sphere | Family::UvSphere => length(p) - 1.0,
+            Family::ClusteredEllipsoid => length(stretched(p, ELLIPSOID_SEMI_AXES.map(f64::recip))) - 1.0,
+            Family::Needle => length(stretched(p, [1.0, NEEDLE_RADIUS, NEEDLE_RADIUS].map(f64::recip))) - 1.0,
+            Family::Lens => {
+                let radius = lens_sphere_radius();
+                length([x, y, z.abs() + radius - LENS_HALF_THICKNESS]) - radius
+            }
+            Family::Prism => off_cap.max((x.hypot(y) - 1.0).abs()),
+            Family::Cone if z > 0.0 => length([x, y, z - 1.0]),
+            Family::Cone => off_cap.max((x.hypot(y) - 1.0).abs()),
+            Family::RotatedPrism => dot(p, rotated_generic([0.0, 0.0, 1.0])).abs() - 0.7,
+            Family::Ball => (length(p) - 1.0).max(0.0),
+            // The step is 1/8 and the grid is centred, so sixteenths are whole numbers.
+            Family::CubeGrid => p.map(|x| (x * 16.0).fract().abs()).into_iter().sum(),
+            Family::FlatSheet => z - f64::from(FLAT_SHEET_Z),
+            // `rock_points_are_extreme_along_their_normals`
+            Family::Rock => 0.0,
+        }
+    }
+
     #[test]
-    fn sphere_points_lie_on_the_sphere_and_are_extreme() {
+    fn points_lie_where_their_family_says() {
+        for family in Family::ALL {
+            for point in family.points(1_000, 2) {
+                assert!(error(family, point).abs() < 2e-7, "{}: {point:?}", family.name());
+            }
+        }
+        let tilts = rotated_generic([0.0, 0.0, 1.0]);
+        assert!(tilts.iter().all(|x| x.abs() > 0.1), "no cap is planar in f32: {tilts:?}");
+        let needle = extent(&needle(1_000, 2), 0);
+        assert!(needle.1 - needle.0 > 1.99, "{needle:?}");
+        // Half the radius holds an eighth of the volume.
+        let inner = ball(2_000, 8).into_iter().filter(|p| length(to_f64(*p)) < 0.5).count();
+        assert!((200..300).contains(&inner), "{inner}");
+    }
+
+    #[test]
+    fn points_of_a_sphere_are_extreme() {
         for points in [sphere(500, 1), uv_sphere(500, 1)] {
             for (i, &p) in points.iter().enumerate() {
-                assert!((length(to_f64(p)) - 1.0).abs() < 1e-7);
                 // On a sphere, each point is the support point in its own direction.
                 let own = dot(to_f64(p), to_f64(p));
-                for (j, &q) in points.iter().enumerate() {
-                    assert!(i == j || dot(to_f64(p), to_f64(q)) < own, "{i} {j}");
-                }
+                assert!(points.iter().enumerate().all(|(j, &q)| i == j || dot(to_f64(p), to_f64(q)) < own), "{i}");
             }
         }
-    }
-
-    #[test]
-    fn uv_sphere_has_poles_and_planar_rings() {
-        let points = uv_sphere(2 + 30 * 15, 0);
-        assert_eq!(points[0], [0.0, 0.0, 1.0]);
-        assert_eq!(points[points.len() - 1], [0.0, 0.0, -1.0]);
-        let heights: HashSet<_> = points.iter().map(|p| p[2].to_bits()).collect();
-        assert_eq!(heights.len(), 2 + 15);
-    }
-
-    #[test]
-    fn ellipsoid_and_needle_points_lie_on_their_surface() {
-        let needle_axes = [1.0, NEEDLE_RADIUS, NEEDLE_RADIUS];
-        let cases = [(clustered_ellipsoid(1_000, 2), ELLIPSOID_SEMI_AXES), (needle(1_000, 2), needle_axes)];
-        for (points, axes) in cases {
-            for &p in &points {
-                let q = stretched(to_f64(p), axes.map(|a| 1.0 / a));
-                assert!((length(q) - 1.0).abs() < 2e-7, "{p:?}");
-            }
-        }
-        let (low, high) = extent(&needle(1_000, 2), 0);
-        assert!(high - low > 1.99);
-    }
-
-    #[test]
-    fn clusters_are_much_denser_than_the_rest() {
-        // Share of points with another nearer than a tenth of the mean spacing: clusters must raise
-        // it well.
-        let crowded = |points: &[[f32; 3]]| {
-            let near = |p: [f32; 3], q: [f32; 3]| p != q && length(vector::sub(to_f64(p), to_f64(q))) < 0.01;
-            let count = points.iter().filter(|p| points.iter().any(|q| near(**p, *q)));
-            count.count() as f64 / points.len() as f64
-        };
-        let even: Vec<_> =
-            sphere(1_000, 3).into_iter().map(|p| to_f32(stretched(to_f64(p), ELLIPSOID_SEMI_AXES))).collect();
-        let (clustered, even) = (crowded(&clustered_ellipsoid(1_000, 3)), crowded(&even));
-        assert!(clustered > 5.0 * even, "{clustered} against {even}");
     }
 
     #[test]
@@ -516,111 +487,5 @@ mod tests {
                 assert!(i == j || dot(normal, other) < dot(normal, own), "{i} {j}");
             }
         }
-    }
-
-    #[test]
-    fn rock_is_bumpy() {
-        let radii = rock(2_000, 1)
-            .into_iter()
-            .map(|p| length(to_f64(p)))
-            .fold((f64::INFINITY, 0.0_f64), |(low, high), r| (low.min(r), high.max(r)));
-        assert!(radii.0 < 0.9 * radii.1, "{radii:?}");
-    }
-
-    #[test]
-    fn prism_caps_are_planar_and_equal() {
-        let points = prism(1_000, 0);
-        let (bottom, top) = points.split_at(500);
-        for (b, t) in bottom.iter().zip(top) {
-            assert_eq!([b[0], b[1]], [t[0], t[1]]);
-            assert_eq!((b[2], t[2]), (-1.0, 1.0));
-            assert!((f64::from(b[0]).hypot(f64::from(b[1])) - 1.0).abs() < 1e-7);
-        }
-        assert_eq!(prism(11, 0).iter().filter(|p| p[2] < 0.0).count(), 6);
-    }
-
-    #[test]
-    fn rotated_prism_caps_are_planar_only_to_rounding() {
-        let points = rotated_prism(1_000, 0);
-        let normal = rotated_generic([0.0, 0.0, 1.0]);
-        assert!(normal.iter().all(|x| x.abs() > 0.1), "{normal:?}");
-        let heights: Vec<_> = points[500..].iter().map(|&p| dot(to_f64(p), normal)).collect();
-        let worst = heights.iter().map(|h| (h - 0.7).abs()).fold(0.0, f64::max);
-        assert!(worst > 1e-9 && worst < 1e-7, "{worst}");
-    }
-
-    #[test]
-    fn cone_has_a_planar_base_and_an_apex() {
-        let points = cone(65, 0);
-        assert_eq!(points[64], [0.0, 0.0, 1.0]);
-        assert!(points[..64].iter().all(|p| p[2] == -1.0));
-    }
-
-    #[test]
-    fn lens_is_thin_and_its_points_lie_on_two_spheres() {
-        let points = lens(2_000, 6);
-        let (width, thickness) = (extent(&points, 0), extent(&points, 2));
-        let ratio = (width.1 - width.0) / (thickness.1 - thickness.0);
-        assert!((19.0..21.0).contains(&ratio), "{ratio}");
-        let radius = lens_sphere_radius();
-        for &p in &points {
-            let mut q = to_f64(p);
-            q[2] = q[2].abs() + radius - LENS_HALF_THICKNESS;
-            assert!((length(q) - radius).abs() < 1e-7, "{p:?}");
-        }
-        let upper = points.iter().filter(|p| p[2] > 0.0).count();
-        assert!((900..1_100).contains(&upper), "{upper}");
-    }
-
-    #[test]
-    fn ball_points_fill_the_ball() {
-        let radii: Vec<_> = ball(2_000, 8).into_iter().map(|p| length(to_f64(p))).collect();
-        assert!(radii.iter().all(|r| *r < 1.0));
-        // Half the radius holds an eighth of the volume.
-        let inner = radii.iter().filter(|r| **r < 0.5).count();
-        assert!((200..300).contains(&inner), "{inner}");
-    }
-
-    #[test]
-    fn cube_grid_coordinates_are_exact() {
-        let points = cube_grid(1_000, 0);
-        for axis in 0..3 {
-            let values: HashSet<_> = points.iter().map(|p| p[axis].to_bits()).collect();
-            assert_eq!(values.len(), 10);
-            assert_eq!(extent(&points, axis), (-0.5625, 0.5625));
-        }
-        // The step is 1/8 and the grid is centred, so sixteenths are whole numbers.
-        assert!(points.iter().flatten().all(|x| (x * 16.0).fract() == 0.0));
-    }
-
-    #[test]
-    fn flat_sheet_is_flat() {
-        assert!(flat_sheet(500, 1).iter().all(|p| p[2] == FLAT_SHEET_Z));
-    }
-
-    fn fingerprint(points: &[[f32; 3]]) -> u64 {
-        let bytes = points.iter().flatten().flat_map(|x| x.to_le_bytes());
-        bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
-    }
-
-    /// Benchmarks of different days are comparable only while these hold: change them knowingly.
-    #[test]
-    fn families_have_not_drifted() {
-        let found = Family::ALL.map(|f| (f.name(), fingerprint(&f.points(1_000, 42))));
-        let expected = [
-            ("sphere", 0x1afd_f8ce_add6_6226),
-            ("clustered_ellipsoid", 0xe19e_da2d_a9b6_0e07),
-            ("rock", 0x7a0f_ae7b_0859_b51a),
-            ("prism", 0x9e37_2eb9_cb10_dde5),
-            ("rotated_prism", 0xe058_87c6_9bed_473d),
-            ("cone", 0x5215_104e_7a0e_9724),
-            ("lens", 0x9a9f_3ccb_479c_66f1),
-            ("uv_sphere", 0xe0da_0fd8_21ce_2861),
-            ("ball", 0x1926_8399_3dbb_066e),
-            ("cube_grid", 0xf9cb_6d04_0d14_e025),
-            ("flat_sheet", 0xdb26_ecdb_bf88_4ddb),
-            ("needle", 0xcb4e_a533_a6d6_884e),
-        ];
-        assert_eq!(found, expected, "{found:#x?}");
     }
 }

@@ -1,5 +1,4 @@
-//! Generated shapes: seeded point families for tests and benchmarks, and the OBJ files under
-//! `assets/`.
+//! Generated shapes for tests and benchmarks: seeded point families, solids, and files of them.
 //!
 //! All output is a pure function of the arguments, bit for bit on every machine. Randomness comes
 //! from [`rng::SplitMix64`], trigonometry from the `libm` crate (plain Rust, in `f64`). Nothing
@@ -16,7 +15,6 @@
 
 #![forbid(unsafe_code)]
 
-pub mod assets;
 pub mod capped;
 pub mod collada;
 pub mod concave;
@@ -24,7 +22,6 @@ pub mod cubes;
 pub mod families;
 pub mod gltf;
 pub mod mesh;
-pub mod models;
 pub mod msh;
 pub mod obj;
 pub mod ply;

@@ -2,7 +2,6 @@
 
 use crate::vector::{cross, dot, to_f64};
 use std::collections::BTreeSet;
-use std::fmt;
 
 /// Polygons over shared vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -12,54 +11,6 @@ pub struct Mesh {
     /// Corners of each polygon: zero-based vertex indices, counter-clockwise seen from outside.
     pub faces: Vec<Vec<u32>>,
 }
-
-/// Reason why a mesh is not a closed, consistently wound surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MeshDefect {
-    /// A face references a vertex that does not exist.
-    IndexOutOfRange {
-        /// Zero-based index of the face.
-        face: usize,
-        /// Vertex index out of range.
-        index: u32,
-    },
-    /// A face has fewer than three corners.
-    TooFewCorners {
-        /// Zero-based index of the face.
-        face: usize,
-    },
-    /// Two faces traverse an edge in the same direction, or one does so twice.
-    EdgeRepeated {
-        /// First vertex of the directed edge.
-        from: u32,
-        /// Second vertex of the directed edge.
-        to: u32,
-    },
-    /// A face traverses an edge, and no face traverses it in the other direction.
-    EdgeOpen {
-        /// First vertex of the directed edge.
-        from: u32,
-        /// Second vertex of the directed edge.
-        to: u32,
-    },
-}
-
-impl fmt::Display for MeshDefect {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::IndexOutOfRange { face, index } => {
-                write!(f, "face {face} has the vertex index {index}, which is out of range")
-            }
-            Self::TooFewCorners { face } => write!(f, "face {face} has fewer than three corners"),
-            Self::EdgeRepeated { from, to } => {
-                write!(f, "edge {from}->{to} is used twice in one direction")
-            }
-            Self::EdgeOpen { from, to } => write!(f, "edge {from}->{to} has no face on its left"),
-        }
-    }
-}
-
-impl std::error::Error for MeshDefect {}
 
 impl Mesh {
     /// Adds a vertex, rounded to `f32`, and returns its index. Panics if the mesh already has 2^32
@@ -94,36 +45,25 @@ impl Mesh {
         six_volumes / 6.0
     }
 
-    /// Checks that every edge lies between exactly two faces with consistent winding. The error is
-    /// the first defect found.
-    pub fn check_closed(&self) -> Result<(), MeshDefect> {
+    /// Checks that every edge lies between exactly two faces with consistent winding. The error
+    /// names the first defect found. Panics if a face references a vertex that does not exist.
+    pub fn check_closed(&self) -> Result<(), String> {
         let mut edges = BTreeSet::new();
-        for (face, corners) in self.faces.iter().enumerate() {
+        for corners in &self.faces {
+            assert!(corners.iter().all(|&corner| (corner as usize) < self.vertices.len()), "{corners:?}");
             if corners.len() < 3 {
-                return Err(MeshDefect::TooFewCorners { face });
+                return Err(format!("fewer than three corners: {corners:?}"));
             }
-            for (i, &from) in corners.iter().enumerate() {
-                if from as usize >= self.vertices.len() {
-                    return Err(MeshDefect::IndexOutOfRange { face, index: from });
-                }
-                let to = corners[(i + 1) % corners.len()];
-                if !edges.insert((from, to)) {
-                    return Err(MeshDefect::EdgeRepeated { from, to });
+            for edge @ (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+                if !edges.insert(edge) {
+                    return Err(format!("edge {from}->{to} is used twice in one direction"));
                 }
             }
         }
-        for &(from, to) in &edges {
-            if !edges.contains(&(to, from)) {
-                return Err(MeshDefect::EdgeOpen { from, to });
-            }
+        match edges.iter().find(|(from, to)| !edges.contains(&(*to, *from))) {
+            Some((from, to)) => Err(format!("edge {from}->{to} has no face on its left")),
+            None => Ok(()),
         }
-        Ok(())
-    }
-
-    /// Vertices that no face uses, in ascending order.
-    pub fn unreferenced_vertices(&self) -> Vec<u32> {
-        let used: BTreeSet<u32> = self.faces.iter().flatten().copied().collect();
-        (0..self.vertices.len() as u32).filter(|index| !used.contains(index)).collect()
     }
 }
 
@@ -146,27 +86,16 @@ mod tests {
 
     #[test]
     fn defects_are_found() {
-        let mut open = corner();
-        open.faces.pop();
-        assert!(matches!(open.check_closed(), Err(MeshDefect::EdgeOpen { .. })));
-
-        let mut flipped = corner();
-        flipped.faces[3].reverse();
-        assert!(matches!(flipped.check_closed(), Err(MeshDefect::EdgeRepeated { .. })));
-
-        let mut missing = corner();
-        missing.faces[0][1] = 4;
-        assert_eq!(missing.check_closed(), Err(MeshDefect::IndexOutOfRange { face: 0, index: 4 }));
-
-        let mut thin = corner();
-        thin.faces[2].pop();
-        assert_eq!(thin.check_closed(), Err(MeshDefect::TooFewCorners { face: 2 }));
-    }
-
-    #[test]
-    fn unreferenced_vertices_are_listed() {
-        let mut mesh = corner();
-        let extra = mesh.push_vertex([9.0, -0.0, 9.0]);
-        assert_eq!(mesh.unreferenced_vertices(), [extra]);
+        let changes: [(&str, fn(&mut Mesh)); 3] = [
+            ("has no face", |mesh| _ = mesh.faces.pop()),
+            ("used twice", |mesh| mesh.faces[3].reverse()),
+            ("fewer than three", |mesh| _ = mesh.faces[2].pop()),
+        ];
+        for (expected, change) in changes {
+            let mut mesh = corner();
+            change(&mut mesh);
+            let defect = mesh.check_closed().unwrap_err();
+            assert!(defect.contains(expected), "{defect}");
+        }
     }
 }
