@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
 use hullmap::compound::{ManifoldCounts, SharedSheet};
 use hullmap::glam::DVec3;
-use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Scaled, Segment, Sphere, Triangle};
+use hullmap::shapes::{HalfSpace, Scaled};
 use hullmap::{CompoundManifolds, SharedGeometry};
 
 use crate::failure::{Failure, Fallible};
@@ -72,8 +72,7 @@ impl Shape {
     }
 
     pub(crate) fn scaled_hull(pack: &Pack, index: usize, scale: DVec3) -> Fallible<Self> {
-        let hull = pack.0.shared_hull(index).map_err(not_found)?;
-        Self::convex(Scaled::new(hull, scale))
+        Self::convex(Scaled::new(pack.0.shared_hull(index).map_err(not_found)?, scale))
     }
 
     pub(crate) fn compound(pack: &Pack) -> Self {
@@ -84,39 +83,11 @@ impl Shape {
         Self(SharedGeometry::Sheet(sheet))
     }
 
-    pub(crate) fn sphere(radius: f64) -> Fallible<Self> {
-        Self::convex(Sphere::new(radius))
-    }
-
-    pub(crate) fn cuboid(half_edges: DVec3) -> Fallible<Self> {
-        Self::convex(Cuboid::new(half_edges))
-    }
-
-    pub(crate) fn capsule(half_length: f64, radius: f64) -> Fallible<Self> {
-        Self::convex(Capsule::new(half_length, radius))
-    }
-
-    pub(crate) fn cylinder(half_height: f64, radius: f64) -> Fallible<Self> {
-        Self::convex(Cylinder::new(half_height, radius))
-    }
-
-    pub(crate) fn cone(half_height: f64, radius: f64) -> Fallible<Self> {
-        Self::convex(Cone::new(half_height, radius))
-    }
-
-    pub(crate) fn segment(start: DVec3, end: DVec3) -> Fallible<Self> {
-        Self::convex(Segment::new(start, end))
-    }
-
-    pub(crate) fn triangle(corners: [DVec3; 3]) -> Fallible<Self> {
-        Self::convex(Triangle::new(corners))
-    }
-
     pub(crate) fn half_space(normal: DVec3, offset: f64) -> Fallible<Self> {
         HalfSpace::new(normal, offset).map(|half_space| Self(half_space.into())).map_err(invalid)
     }
 
-    fn convex<S>(shape: Result<S, hullmap::ShapeError>) -> Fallible<Self>
+    pub(crate) fn convex<S>(shape: Result<S, hullmap::ShapeError>) -> Fallible<Self>
     where
         S: hullmap::Shape + Send + Sync + 'static,
     {

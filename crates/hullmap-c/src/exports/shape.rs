@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use hullmap::compound::SharedSheet;
+use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Segment, Sphere, Triangle};
 
 use crate::border::{self, Out, call};
 use crate::failure::Fallible;
@@ -72,42 +73,42 @@ pub unsafe extern "C" fn hullmap_shape_height_field(field: *const HeightField, s
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_shape_sphere(radius: f64, shape: *mut *mut Shape) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.
-    unsafe { make(shape, || Shape::sphere(radius)) }
+    unsafe { make(shape, || Shape::convex(Sphere::new(radius))) }
 }
 
 /// A box about the origin, with its edges along the axes: half their lengths.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_shape_cuboid(half_edges: DVec3, shape: *mut *mut Shape) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.
-    unsafe { make(shape, || Shape::cuboid(half_edges)) }
+    unsafe { make(shape, || Shape::convex(Cuboid::new(half_edges))) }
 }
 
 /// A capsule about the origin, along z: half the length of the segment, without the caps.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_shape_capsule(half_length: f64, radius: f64, shape: *mut *mut Shape) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.
-    unsafe { make(shape, || Shape::capsule(half_length, radius)) }
+    unsafe { make(shape, || Shape::convex(Capsule::new(half_length, radius))) }
 }
 
 /// A cylinder about the origin, along z.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_shape_cylinder(half_height: f64, radius: f64, shape: *mut *mut Shape) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.
-    unsafe { make(shape, || Shape::cylinder(half_height, radius)) }
+    unsafe { make(shape, || Shape::convex(Cylinder::new(half_height, radius))) }
 }
 
 /// A cone along z: its base at -half_height, its apex at half_height.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_shape_cone(half_height: f64, radius: f64, shape: *mut *mut Shape) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.
-    unsafe { make(shape, || Shape::cone(half_height, radius)) }
+    unsafe { make(shape, || Shape::convex(Cone::new(half_height, radius))) }
 }
 
 /// The segment between two points, whose coordinates are from -3.4e38 to 3.4e38.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_shape_segment(start: DVec3, end: DVec3, shape: *mut *mut Shape) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.
-    unsafe { make(shape, || Shape::segment(start, end)) }
+    unsafe { make(shape, || Shape::convex(Segment::new(start, end))) }
 }
 
 /// The triangle between three points, from both sides: for single triangles; a level is a
@@ -115,7 +116,7 @@ pub unsafe extern "C" fn hullmap_shape_segment(start: DVec3, end: DVec3, shape: 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_shape_triangle(a: DVec3, b: DVec3, c: DVec3, shape: *mut *mut Shape) -> Result {
     // SAFETY: the caller keeps the rules at the head of the header.
-    unsafe { make(shape, || Shape::triangle([a, b, c].map(Into::into))) }
+    unsafe { make(shape, || Shape::convex(Triangle::new([a, b, c]))) }
 }
 
 /// Everything below a plane: the points p with normal . p <= offset, after the normal is

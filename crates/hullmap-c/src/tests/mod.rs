@@ -9,7 +9,6 @@ mod manifolds;
 mod meshes;
 mod misuse;
 mod motions;
-mod overhead;
 mod pairs;
 mod single;
 
