@@ -64,6 +64,37 @@ pub fn fill(template: &str, values: &[(&str, &str)]) -> String {
     out
 }
 
+/// Entries of a list of facts: names and values.
+pub fn facts(rows: &[(&str, String)]) -> String {
+    rows.iter().map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n")).collect()
+}
+
+/// The section about what a page lacks; empty if that is nothing.
+pub fn left_out(list: &[String]) -> String {
+    if list.is_empty() {
+        return String::new();
+    }
+    let items: String = list.iter().map(|item| format!("<p>{}</p>\n", escape(item))).collect();
+    format!(
+        "<section aria-labelledby=\"limits-title\">\n<h2 id=\"limits-title\">What is left out</h2>\n{items}</section>\n"
+    )
+}
+
+/// A value in words, or a dash if it is not known.
+pub fn or_dash<T>(value: Option<T>, text: impl FnOnce(T) -> String) -> String {
+    value.map_or_else(|| "–".to_owned(), text)
+}
+
+/// Source, options and format of a file: the line below the title.
+pub fn origin(found: Option<&str>, recorded: &str, options: &str, format_version: u32) -> String {
+    let source = match found {
+        Some(source) => format!("source {}", escape(source)),
+        None if recorded.is_empty() => "no source found".to_owned(),
+        None => format!("source {} not found", escape(recorded)),
+    };
+    format!("{source} · options: {} · format {format_version}", escape(options))
+}
+
 /// A number with at most four significant digits.
 pub fn short(value: f64) -> String {
     if value == 0.0 {

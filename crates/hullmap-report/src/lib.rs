@@ -12,7 +12,6 @@
 //! | `index_reader` | a direction index, and the leaf of a direction |
 //! | `cells` | the cells of an index, as lines on the cube |
 //! | `gauss_map` | support vertices and leaves over the unfolded cube |
-//! | `spans` | pixels of a row that have the same support vertex |
 //! | `census` | cost of queries over the sphere |
 //! | `display_mesh` | triangles and edges to draw |
 //! | `solid_mesh` | meshes of primitives |
@@ -48,7 +47,6 @@ pub mod robot;
 mod robot_page;
 mod sizes;
 mod solid_mesh;
-mod spans;
 pub mod surface;
 mod surface_page;
 #[cfg(test)]

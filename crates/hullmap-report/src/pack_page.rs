@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::analysis::{Analysis, HullRow, MAX_HULLS};
 use crate::census::{Pace, mean};
 use crate::display_mesh::EncodedMesh;
-use crate::html::{count, escape, json, short};
+use crate::html::{self, count, escape, json, or_dash, origin, short};
 use crate::input::{Remarks, VerifiedHull};
 use crate::page::{Page, crumb};
 use crate::parts_section::parts_section;
@@ -31,12 +31,7 @@ const PAGE: Page = Page {
 /// times -->` and `<!-- /times -->`. `index` is the link to the page of its folder.
 pub fn pack_page(pack: &Analysis, index: Option<&str>) -> String {
     let title = escape(&pack.file);
-    let source = match &pack.source {
-        Some(source) => format!("source {}", escape(source)),
-        None if pack.recorded_source.is_empty() => "no source found".to_owned(),
-        None => format!("source {} not found", escape(&pack.recorded_source)),
-    };
-    let subtitle = format!("{source} · options: {} · format {}", escape(&pack.options), pack.format_version);
+    let subtitle = origin(pack.source.as_deref(), &pack.recorded_source, &pack.options, pack.format_version);
     let alt = if pack.source.is_some() { "The source mesh inside its hull" } else { "The hull" };
     PAGE.fill(&[
         ("title", &title),
@@ -189,7 +184,7 @@ fn facts(pack: &Analysis) -> String {
     if let Some(worst) = regrets.reduce(f64::max) {
         rows.push(("Maximum regret", short(worst)));
     }
-    rows.iter().map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n")).collect()
+    html::facts(&rows)
 }
 
 fn source_note(pack: &Analysis) -> String {
@@ -268,8 +263,8 @@ fn hulls(pack: &Analysis) -> String {
             short(hull.volume),
             short(hull.containment_error),
             short(hull.outer_error),
-            hull.uncovered.map_or_else(|| "–".to_owned(), short),
-            hull.protrusion.map_or_else(|| "–".to_owned(), short),
+            or_dash(hull.uncovered, short),
+            or_dash(hull.protrusion, short),
         ]
     });
     let shapes = table(
@@ -420,13 +415,7 @@ fn limits(pack: &Analysis) -> String {
             sum(|shape| shape.shown)
         ));
     }
-    if list.is_empty() {
-        return String::new();
-    }
-    let items: String = list.iter().map(|item| format!("<p>{}</p>\n", escape(item))).collect();
-    format!(
-        "<section aria-labelledby=\"limits-title\">\n<h2 id=\"limits-title\">What is left out</h2>\n{items}</section>\n"
-    )
+    html::left_out(&list)
 }
 
 fn times(pack: &Analysis) -> String {

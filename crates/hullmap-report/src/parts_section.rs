@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use crate::analysis::{Analysis, HullRow, MAX_HULLS};
-use crate::html::{count, escape, short};
+use crate::html::{self, count, escape, or_dash, short};
 use crate::input::{PartsEstimates, VerifiedHull};
 use crate::part_colours::COLOURS;
 
@@ -83,7 +83,6 @@ const MAX_OBJECTS: usize = 20;
 fn facts(parts: &[Part]) -> String {
     let PartsEstimates { overlap, overlap_error, mean_protrusion, outside_hull, voids, voids_error, filled, symmetry } =
         parts[0].2.estimates.clone().unwrap_or_default();
-    let known = |value: Option<f64>, text: fn(f64) -> String| value.map_or_else(|| "–".to_owned(), text);
     let percent = |share: f64| format!("{} %", short(100.0 * share));
     let bound = |pick: fn(&HullRow) -> Option<f64>| parts.iter().filter_map(|part| pick(part.1)).reduce(f64::max);
     let thinnest = parts.iter().map(|part| part.2.thickness).reduce(f64::min);
@@ -95,17 +94,15 @@ fn facts(parts: &[Part]) -> String {
     let rows = [
         ("Parts", count(parts.len() as u64)),
         ("Overlap, of their union", within(overlap, overlap_error)),
-        ("Mean protrusion", known(mean_protrusion, short)),
-        ("Worst protrusion, at most", known(bound(|row| row.protrusion), short)),
-        ("Surface uncovered, at most", known(bound(|row| row.uncovered), short)),
-        ("Outside the mesh's hull", known(outside_hull, short)),
+        ("Mean protrusion", or_dash(mean_protrusion, short)),
+        ("Worst protrusion, at most", or_dash(bound(|row| row.protrusion), short)),
+        ("Surface uncovered, at most", or_dash(bound(|row| row.uncovered), short)),
+        ("Outside the mesh's hull", or_dash(outside_hull, short)),
         ("Solid in no part", empty),
-        ("Thinnest part", known(thinnest, short)),
-        ("Symmetric about", symmetry.unwrap_or_else(|| "–".to_owned())),
+        ("Thinnest part", or_dash(thinnest, short)),
+        ("Symmetric about", or_dash(symmetry, |plane| plane)),
     ];
-    let rows: String =
-        rows.iter().map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n")).collect();
-    format!("<dl class=\"facts\">\n{rows}</dl>\n")
+    format!("<dl class=\"facts\">\n{}</dl>\n", html::facts(&rows))
 }
 
 fn table(parts: Vec<Part>) -> String {
@@ -124,7 +121,6 @@ fn table(parts: Vec<Part>) -> String {
         let _ = write!(out, "<th scope=\"col\"{class}>{head}</th>");
     }
     out.push_str("</tr></thead>\n<tbody>\n");
-    let dash = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), short);
     for (number, row, verified) in parts {
         let [red, green, blue] = COLOURS[row.colour];
         let result = match (verified.passed, verified.flaws.as_slice()) {
@@ -138,8 +134,8 @@ fn table(parts: Vec<Part>) -> String {
              style=\"background:rgb({red},{green},{blue})\"></i>{}</button></td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
              <td>{}</td><td class=\"word\">{result}</td></tr>",
             escape(&row.name),
-            dash(row.protrusion),
-            dash(verified.mean_protrusion),
+            or_dash(row.protrusion, short),
+            or_dash(verified.mean_protrusion, short),
             short(verified.thickness),
             count(row.vertices as u64),
             short(row.volume),

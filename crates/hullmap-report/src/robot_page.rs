@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::DisplayMesh;
 use crate::display_mesh::{EncodedMesh, triangle_limit};
-use crate::html::{self, count, escape, json};
+use crate::html::{self, count, escape, json, or_dash};
 use crate::input::Up;
 use crate::pack_page::warnings;
 use crate::page::Page;
@@ -169,7 +169,7 @@ fn pairs(n: usize) -> String {
 }
 
 fn mm(length: Option<f64>) -> String {
-    length.map_or_else(|| "–".to_owned(), |length| format!("{length:.2}"))
+    or_dash(length, |length| format!("{length:.2}"))
 }
 
 fn worst(robot: &Robot, pick: impl Fn(&Link) -> Option<f64>) -> Option<f64> {
@@ -179,7 +179,7 @@ fn worst(robot: &Robot, pick: impl Fn(&Link) -> Option<f64>) -> Option<f64> {
 fn facts(robot: &Robot) -> String {
     let sum = |side: usize| count(robot.links.iter().map(|link| link.pieces[side]).sum::<usize>() as u64);
     let [before, after] = touching_counts(robot);
-    let millimetres = |length: Option<f64>| length.map_or_else(|| "–".to_owned(), |length| format!("{length:.2} mm"));
+    let millimetres = |length: Option<f64>| or_dash(length, |length| format!("{length:.2} mm"));
     let rows = [
         ("Links", count(robot.links.len() as u64)),
         ("Joints that move", count(robot.joints.len() as u64)),
@@ -190,7 +190,7 @@ fn facts(robot: &Robot) -> String {
         ("Pairs that touch before", count(before as u64)),
         ("Pairs that touch after", count(after as u64)),
     ];
-    rows.iter().map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n")).collect()
+    html::facts(&rows)
 }
 
 /// A table. Heads say whether their column holds words. Rows have the links that they show, and
@@ -241,7 +241,7 @@ fn links(robot: &Robot) -> String {
                 escape(&link.becomes),
                 before,
                 after,
-                link.vertices.map_or_else(|| "–".to_owned(), |vertices| count(vertices as u64)),
+                or_dash(link.vertices, |vertices| count(vertices as u64)),
                 mm(link.protrusion_mm[0]),
                 mm(link.protrusion_mm[1]),
                 mm(link.uncovered_mm),
@@ -318,13 +318,7 @@ fn limits(robot: &Robot, meshes: &[DisplayMesh], undrawn: usize) -> String {
     if undrawn > 0 {
         list.push(format!("Meshes not drawn, to limit the size of the page: {}.", count(undrawn as u64)));
     }
-    if list.is_empty() {
-        return String::new();
-    }
-    let items: String = list.iter().map(|item| format!("<p>{}</p>\n", escape(item))).collect();
-    format!(
-        "<section aria-labelledby=\"limits-title\">\n<h2 id=\"limits-title\">What is left out</h2>\n{items}</section>\n"
-    )
+    html::left_out(&list)
 }
 
 #[cfg(test)]

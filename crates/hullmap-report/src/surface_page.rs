@@ -1,7 +1,7 @@
 //! The page of a triangle mesh or height field: its wireframe, with edges coloured by their class,
 //! or its shaded relief.
 
-use crate::html::{count, escape, json};
+use crate::html::{count, escape, facts, json, origin};
 use crate::pack_page::warnings;
 use crate::page::{Page, crumb};
 use crate::surface::{DrawnClass, DrawnTriangles, SurfaceReport, View};
@@ -30,21 +30,15 @@ const RELIEF: Page = Page {
 /// The page of a triangle mesh or height field: a function of the file, its source and the
 /// arguments. `index` is the link to the page of its folder.
 pub fn surface_page(surface: &SurfaceReport, index: Option<&str>) -> String {
-    let source = match &surface.source {
-        Some(source) => format!("source {}", escape(source)),
-        None if surface.recorded_source.is_empty() => "no source found".to_owned(),
-        None => format!("source {} not found", escape(&surface.recorded_source)),
-    };
-    let subtitle = format!("{source} · options: {} · format {}", escape(&surface.options), surface.format_version);
-    let facts: String =
-        surface.facts.iter().map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n")).collect();
+    let source = surface.source.as_deref();
+    let subtitle = origin(source, &surface.recorded_source, &surface.options, surface.format_version);
     let shared = [
         ("title", &*escape(&surface.file)),
         ("crumb", &crumb(index)),
         ("verdict", &surface.verdict().html()),
         ("subtitle", &subtitle),
         ("warnings", &warnings(&surface.remarks)),
-        ("facts", &facts),
+        ("facts", &facts(&surface.facts)),
         ("verification", &verification(surface)),
         ("footer", "Made by <code>bake report</code>. Lengths are in the source's units."),
     ];
