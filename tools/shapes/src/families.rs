@@ -38,6 +38,9 @@ pub const FLAT_SHEET_Z: f32 = 0.25;
 /// Maximum number of candidates for each point. After that, the family has no more distinct points.
 const MAX_TRIES_PER_POINT: usize = 64;
 
+/// Makes points from their number and a seed.
+type Generator = fn(usize, u64) -> Vec<[f32; 3]>;
+
 /// A point family. Families can be iterated over and looked up by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Family {
@@ -85,7 +88,7 @@ impl Family {
     ];
 
     /// Name and function of the family.
-    const fn generator(self) -> (&'static str, fn(usize, u64) -> Vec<[f32; 3]>) {
+    const fn generator(self) -> (&'static str, Generator) {
         match self {
             Family::Sphere => ("sphere", sphere),
             Family::ClusteredEllipsoid => ("clustered_ellipsoid", clustered_ellipsoid),

@@ -86,7 +86,8 @@ mod tests {
 
     #[test]
     fn defects_are_found() {
-        let changes: [(&str, fn(&mut Mesh)); 3] = [
+        type Change = fn(&mut Mesh);
+        let changes: [(&str, Change); 3] = [
             ("has no face", |mesh| _ = mesh.faces.pop()),
             ("used twice", |mesh| mesh.faces[3].reverse()),
             ("fewer than three", |mesh| _ = mesh.faces[2].pop()),
