@@ -95,6 +95,9 @@ pub enum Fault {
         counted(.declared, "vertex", "vertices")
     )]
     IndexBeforeFirst { text: String, declared: usize },
+    /// tobj rejects coordinates in which the scan finds no fault.
+    #[error("the OBJ reader (tobj) rejects the vertices: {0}; this is a defect of hullmap: report it with the file")]
+    Rejected(tobj::LoadError),
 }
 
 const EXCERPT_CHARS: usize = 40;

@@ -235,7 +235,7 @@ fn read_facet<T: MergeKey>(
             Some(word) if ends(tokens, word, "loop") => break,
             _ => return Err(unexpected(tokens, word, "`vertex` or `endloop`")),
         }
-        let mut position = [T::default(); 3];
+        let mut position = [T::ZERO; 3];
         for coordinate in &mut position {
             let Some(word) = tokens.next() else {
                 return Err(unexpected(tokens, None, "a coordinate"));

@@ -4,11 +4,13 @@
 //! "Object Files (.obj)", Appendix B1 of the Wavefront Advanced Visualizer manual, version 3.0.
 //!
 //! 1. [`lines`] cuts the text into parts and counts their lines and vertices.
-//! 2. [`scan`] reads the coordinates, elements and objects of each part and names the line of any
-//!    fault.
+//! 2. [`scan`] reads the elements and objects of each part and names the line of any fault.
+//! 3. [`positions`] has the crate `tobj` read the coordinates.
+//! 4. Only if step 2 or 3 failed, [`scan`] runs again and parses the coordinates too, to find the
+//!    first fault.
 //!
-//! # Not by the crate tobj
-//! The tests compare the result with tobj's reading of whole files. It lacks:
+//! # Division of work with tobj
+//! tobj reads the numbers. The scan keeps what tobj does not provide:
 //! - *References.* A hull records the `v` line of each vertex. tobj indexes each object's vertices
 //!   by first use, drops the way back, and resolves references when an object ends, so that
 //!   references ahead fail.
@@ -16,13 +18,17 @@
 //! - *Lines.* tobj's errors have no line number, and tobj accepts NaN and infinity.
 //! - *Continued lines, comments behind numbers, lone CRs, byte order marks, UTF-16.*
 //! - *Weights*, by which tobj divides: see the deviations of [`scan`].
+//!
+//! The tests compare the result with tobj's own reading of whole files, elements included.
 
 mod lines;
 mod named_materials;
+mod positions;
 mod reference;
 mod scan;
 #[cfg(test)]
 mod tests;
+mod vertex_line;
 
 use std::borrow::Cow;
 
@@ -31,7 +37,7 @@ use super::fault::{Fault, LineFault, counted};
 use super::limits::Limits;
 use super::mesh::{Positions, SourceMesh};
 use lines::Parts;
-use scan::{Scan, scan};
+use scan::{Scan, VertexCheck};
 
 /// Bytes of a part: some milliseconds of work.
 pub const PART_BYTES: usize = 4 << 20;
@@ -51,10 +57,24 @@ pub fn read(bytes: &[u8], is_double: bool, limits: &Limits) -> Result<SourceMesh
 }
 
 fn read_parts(parts: &Parts, is_double: bool, limits: &Limits) -> Result<SourceMesh, LineFault> {
-    if is_double {
-        scan(parts, limits).map(|(scan, positions)| source_mesh(scan, Positions::Double(positions)))
-    } else {
-        scan(parts, limits).map(|(scan, positions)| source_mesh(scan, Positions::Single(positions)))
+    let scanned = scan::scan(parts, limits, |_| Ok(())).and_then(|scan| {
+        let positions = if is_double {
+            positions::doubles(parts).map(Positions::Double)
+        } else {
+            positions::singles(parts).map(Positions::Single)
+        };
+        Ok((scan, positions.map_err(Fault::of_file)?))
+    });
+    match scanned {
+        Ok((scan, positions)) => Ok(source_mesh(scan, positions)),
+        Err(fault) => {
+            let check: VertexCheck = if is_double {
+                |vertex| vertex.point::<f64>().map(drop)
+            } else {
+                |vertex| vertex.point::<f32>().map(drop)
+            };
+            Err(scan::scan(parts, limits, check).err().unwrap_or(fault))
+        }
     }
 }
 

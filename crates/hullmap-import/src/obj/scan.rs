@@ -1,7 +1,8 @@
-//! Wavefront OBJ: coordinates, elements, objects and counts, with the line of every fault.
+//! Wavefront OBJ: elements, objects and counts, with the line of every fault.
 //!
 //! 1. Split the text into logical lines, see [`super::lines`].
-//! 2. `v`: read the coordinates, and look for weights.
+//! 2. `v`: count the numbers, and look for weights. [`super::positions`] reads the coordinates; a
+//!    [`VertexCheck`] can parse them here too.
 //! 3. `f`, `l`, `p`: resolve the references to zero-based vertex indices. Negative ones count back
 //!    from their line.
 //! 4. `o` starts an object, and `usemtl` a run of faces with a material. Everything else (`vt`,
@@ -25,12 +26,14 @@ use rayon::prelude::*;
 use super::lines::{Lines, Part, Parts, is_irrelevant, is_vertex_line, with_words};
 use super::named_materials::NamedMaterials;
 use super::reference::resolve_reference;
-use crate::coordinate::{Coordinate, parse_coordinate};
+use super::vertex_line::VertexLine;
 use crate::fault::{Fault, LineFault, excerpt};
 use crate::limits::Limits;
 use crate::mesh::{Polygons, SourceObject};
 
-/// Everything in an OBJ file that shapes a hull, except positions.
+pub type VertexCheck = fn(&VertexLine) -> Result<(), Fault>;
+
+/// Everything in an OBJ file that shapes a hull, except coordinates.
 #[derive(Debug, Default)]
 pub struct Scan {
     pub vertex_count: usize,
@@ -58,21 +61,13 @@ pub struct Scan {
     largest_reference: u32,
 }
 
-/// Scans an OBJ file, and returns the positions of all `v` lines, too. The error is the first fault
-/// in the file, with its line. References beyond the last vertex are found after all other faults.
-/// Complexity: O(bytes), in parallel. Memory is at most 4 bytes a reference and 4 a face, twice.
-pub fn scan<T: Coordinate>(parts: &Parts, limits: &Limits) -> Result<(Scan, Vec<[T; 3]>), LineFault> {
-    let mut positions = vec![[T::default(); 3]; parts.vertex_count()];
-    let mut targets = Vec::with_capacity(parts.parts.len());
-    let mut rest = positions.as_mut_slice();
-    for part in &parts.parts {
-        let (own, tail) = rest.split_at_mut(part.vertex_count);
-        targets.push((part, own));
-        rest = tail;
-    }
+/// Scans an OBJ file and calls `check` for each `v` line. The error is the first fault in the file,
+/// with its line. References beyond the last vertex are found after all other faults. Complexity:
+/// O(bytes), in parallel. Memory is at most 4 bytes a reference and 4 a face, twice.
+pub fn scan(parts: &Parts, limits: &Limits, check: VertexCheck) -> Result<Scan, LineFault> {
     // The first fault in the file is reported, so every part is scanned.
     let scans: Vec<Result<Scan, LineFault>> =
-        targets.into_par_iter().map(|(part, positions)| Scan::of_part(part, limits, positions)).collect();
+        parts.parts.par_iter().map(|part| Scan::of_part(part, limits, check)).collect();
     let mut whole = Scan {
         objects: vec![SourceObject { name: String::new(), first_vertex: 0, first_face: 0, first_loose: 0 }],
         object_limit: limits.objects,
@@ -94,30 +89,28 @@ pub fn scan<T: Coordinate>(parts: &Parts, limits: &Limits) -> Result<(Scan, Vec<
     if whole.largest_reference as usize >= whole.vertex_count {
         return Err(first_out_of_range(parts.text, &whole));
     }
-    Ok((whole, positions))
+    Ok(whole)
 }
 
 impl Scan {
-    fn of_part<T: Coordinate>(part: &Part, limits: &Limits, positions: &mut [[T; 3]]) -> Result<Self, LineFault> {
+    fn of_part(part: &Part, limits: &Limits, check: VertexCheck) -> Result<Self, LineFault> {
         let mut scan = Self { vertices_before: part.first_vertex, object_limit: limits.objects, ..Self::default() };
         let mut lines = Lines::new(part.text, part.first_line);
         while let Some((line, text)) = lines.next_logical() {
             if !is_irrelevant(&text) {
-                scan.read_line(line, &text, positions).map_err(|fault| fault.at_line(line))?;
+                scan.read_line(line, &text, check).map_err(|fault| fault.at_line(line))?;
             }
         }
         Ok(scan)
     }
 
-    fn read_line<T: Coordinate>(&mut self, line: usize, text: &[u8], positions: &mut [[T; 3]]) -> Result<(), Fault> {
+    fn read_line(&mut self, line: usize, text: &[u8], check: VertexCheck) -> Result<(), Fault> {
         with_words!(text, words => match words.next() {
             Some("v") => {
-                let (point, has_weight) = vertex(words.take_while(|word| !word.starts_with('#')))?;
-                if let Some(position) = positions.get_mut(self.vertex_count) {
-                    *position = point;
-                }
                 self.vertex_count += 1;
-                if has_weight {
+                let vertex = VertexLine::new(words.take_while(|word| !word.starts_with('#')))?;
+                check(&vertex)?;
+                if vertex.has_ignored_weight()? {
                     self.weight_count += 1;
                     self.weight_line.get_or_insert(line);
                 }
@@ -237,30 +230,6 @@ impl Scan {
     }
 }
 
-/// The point of a `v` line, each coordinate rounded to the nearest `T`, and whether it has a weight
-/// other than 1. Words behind the keyword are 3 coordinates; a fourth is a weight, and 3 more are a
-/// colour, which is not read.
-fn vertex<'a, T: Coordinate>(words: impl Iterator<Item = &'a str>) -> Result<([T; 3], bool), Fault> {
-    let mut first = [""; 4];
-    let mut found = 0;
-    for word in words {
-        if let Some(entry) = first.get_mut(found) {
-            *entry = word;
-        }
-        found += 1;
-    }
-    let [x, y, z, weight] = first;
-    match found {
-        0..3 => return Err(Fault::TooFewCoordinates { found }),
-        3 | 4 | 6 => {}
-        _ => return Err(Fault::CoordinateCount { found }),
-    }
-    let point = [parse_coordinate(x)?, parse_coordinate(y)?, parse_coordinate(z)?];
-    let weight = if found == 4 { weight } else { "1" };
-    let weight: f64 = weight.parse().map_err(|_| Fault::BadNumber { text: excerpt(weight) })?;
-    Ok((point, weight != 1.0))
-}
-
 /// The rest of a line after its keyword, which may have blanks.
 fn argument(line: &[u8], keyword: &str) -> String {
     let line = String::from_utf8_lossy(line);
@@ -313,7 +282,7 @@ mod tests {
 
     fn scan_in_parts(text: &str, limits: &Limits, part_bytes: usize) -> Result<Scan, LineFault> {
         let parts = Parts::new(text.as_bytes(), part_bytes).unwrap();
-        scan::<f32>(&parts, limits).map(|(scan, _)| scan)
+        scan(&parts, limits, |vertex| vertex.point::<f32>().map(drop))
     }
 
     #[test]

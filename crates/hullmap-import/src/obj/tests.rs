@@ -1,13 +1,18 @@
 //! The import of OBJ files against two twins: the parser of this crate, and tobj's own reading of
 //! the whole file.
 
+use std::time::Instant;
+
 use shapes::rng::SplitMix64;
 
 use super::*;
+use crate::obj::scan::scan;
+use crate::obj::vertex_line::VertexLine;
+use crate::{ImportOptions, SourceFile};
 
 const SEED: u64 = 29;
 
-/// Twin of [`scan`]: the coordinates, one line after the other, in one part.
+/// Twin of [`positions::singles`]: the coordinates parsed one line after the other, without tobj.
 fn parsed_positions(text: &[u8]) -> Vec<[f32; 3]> {
     let mut positions = Vec::new();
     let mut lines = lines::Lines::new(text, 1);
@@ -15,7 +20,8 @@ fn parsed_positions(text: &[u8]) -> Vec<[f32; 3]> {
         let line = String::from_utf8_lossy(&line);
         let mut words = line.split_whitespace();
         if words.next() == Some("v") {
-            positions.push([0, 1, 2].map(|_| words.next().unwrap().parse().unwrap()));
+            let vertex = VertexLine::new(words.take_while(|word| !word.starts_with('#'))).unwrap();
+            positions.push(vertex.point().unwrap());
         }
     }
     positions
@@ -152,15 +158,12 @@ fn damaged_files_agree_with_both_twins_or_are_rejected() {
 #[test]
 fn committed_models_agree_with_both_twins() {
     let mut compared_count = 0;
-    let assets = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets")).unwrap();
-    let paths = assets.map(|entry| entry.unwrap().path());
-    for path in paths.filter(|path| path.extension().is_some_and(|extension| extension == "obj")) {
-        let name = path.display();
-        let text = std::fs::read_to_string(&path).unwrap();
-        let mesh = read(text.as_bytes(), false, &Limits::DEFAULT).unwrap();
-        assert_eq!(bits(&mesh.positions), bits(&Positions::Single(parsed_positions(text.as_bytes()))), "{name}");
+    for file in shapes::assets::generate().iter().filter(|file| file.name.ends_with(".obj")) {
+        let mesh = read(&file.bytes, false, &Limits::DEFAULT).unwrap();
+        assert_eq!(bits(&mesh.positions), bits(&Positions::Single(parsed_positions(&file.bytes))), "{}", file.name);
+        let text = String::from_utf8(file.bytes.clone()).unwrap();
         if !text.lines().any(|line| line.starts_with("p ")) {
-            assert_eq!(Some(corners_of_import(&mesh)), corners_of_tobj(text.as_bytes()), "{name}");
+            assert_eq!(Some(corners_of_import(&mesh)), corners_of_tobj(&file.bytes), "{}", file.name);
             compared_count += 1;
         }
     }
@@ -168,8 +171,8 @@ fn committed_models_agree_with_both_twins() {
 }
 
 #[test]
-fn parts_keep_every_vertex() {
-    for count in [1, 2, 3, 12_289] {
+fn batches_and_parts_keep_every_vertex() {
+    for count in [1, 2, 3, 4095, 4096, 4097, 12_289] {
         let text: String = (0..count).map(|i| format!("v {i} 0.1 -{i}e-7\n")).collect();
         for part_bytes in [100, 30_000, usize::MAX] {
             let parts = Parts::new(text.as_bytes(), part_bytes).unwrap();
@@ -180,6 +183,7 @@ fn parts_keep_every_vertex() {
     }
 }
 
+/// References ahead of more corners than one batch were once rejected.
 #[test]
 fn references_ahead_resolve_over_any_distance() {
     let mut text = "f 1 2 3\n".repeat(40_000);
@@ -218,4 +222,54 @@ fn doubles_round_to_the_singles() {
         }
     }
     assert!(point_count > 2000, "{point_count}");
+}
+
+/// A million vertices and two million triangles; each corner has a texture coordinate and a normal.
+fn sphere() -> String {
+    const RINGS: usize = 1000;
+    let mut text = String::with_capacity(160 << 20);
+    for ring in 0..RINGS {
+        let (sin, cos) = libm::sincos(std::f64::consts::PI * (ring as f64 + 0.5) / RINGS as f64);
+        for step in 0..RINGS {
+            let (y, x) = libm::sincos(std::f64::consts::TAU * step as f64 / RINGS as f64);
+            text += &format!("v {:.6} {:.6} {cos:.6}\n", sin * x, sin * y);
+        }
+    }
+    for ring in 0..RINGS - 1 {
+        for step in 0..RINGS {
+            let [a, b] = [step, (step + 1) % RINGS].map(|step| ring * RINGS + step + 1);
+            let [c, d] = [a + RINGS, b + RINGS];
+            text += &format!("f {a}/{a}/{a} {c}/{c}/{c} {b}/{b}/{b}\nf {b}/{b}/{b} {c}/{c}/{c} {d}/{d}/{d}\n");
+        }
+    }
+    text
+}
+
+#[test]
+#[ignore = "prints times: cargo test --release -p hullmap-import times_of_a_million -- --ignored --nocapture"]
+fn times_of_a_million_vertices() {
+    let text = sphere();
+    println!("{} bytes, {} threads", text.len(), rayon::current_num_threads());
+    for _ in 0..3 {
+        let start = Instant::now();
+        let parts = Parts::new(text.as_bytes(), PART_BYTES).unwrap();
+        let counted = start.elapsed();
+        let scan = scan(&parts, &Limits::DEFAULT, |_| Ok(())).unwrap();
+        let scanned = start.elapsed();
+        let positions = positions::singles(&parts).unwrap();
+        let read = start.elapsed();
+        assert_eq!((positions.len(), scan.faces.len()), (1_000_000, 1_998_000));
+        drop((scan, positions));
+        let source = SourceFile::alone(text.clone().into_bytes());
+        let path = std::path::Path::new("a.obj");
+        let start = Instant::now();
+        crate::import("a.obj", "a", path, &source, &ImportOptions::DEFAULT, &Limits::DEFAULT).unwrap();
+        let whole = start.elapsed();
+        println!(
+            "count {counted:.2?}, scan {:.2?}, tobj {:.2?}, the rest {:.2?}; import {whole:.2?}",
+            scanned - counted,
+            read - scanned,
+            whole.saturating_sub(read)
+        );
+    }
 }

@@ -130,7 +130,7 @@ fn no_package_sees_another_over_a_wall() {
     }
     // Control for the table: the command depends on both sides.
     let found = tree("hullmap-cli", &["--edges", "normal"]);
-    for name in ["hullmap", "hullmap-bake", "hullmap-format", "hullmap-report", "hullmap-robot", "clap"] {
+    for name in ["hullmap", "hullmap-bake", "hullmap-format", "hullmap-report", "hullmap-robot", "tobj", "clap"] {
         assert!(found.contains(name), "{found:?}");
     }
 }
