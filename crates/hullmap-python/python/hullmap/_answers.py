@@ -49,7 +49,7 @@ class Overlap(_Words):
 
 
 class Verdict(_Words):
-    """What is known about a motion."""
+    """Whether a motion is certainly free."""
 
     FREE = 0
     """The bodies are certainly farther apart than the margin at all times."""
