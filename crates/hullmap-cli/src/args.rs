@@ -33,7 +33,8 @@ use hullmap_pipeline::jobs::Selection;
 use hullmap_pipeline::jobs::batch::BatchSize;
 use hullmap_pipeline::jobs::shard::Shard;
 use hullmap_pipeline::options::flag;
-use hullmap_pipeline::options::table::Section;
+use hullmap_pipeline::options::table::{Section, position};
+use hullmap_pipeline::options::value::Value;
 use limits::LimitArgs;
 use numbers::{at_least_one, size};
 use options::{OptionFlags, PartsLayer, TERRAIN};
@@ -597,13 +598,16 @@ fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
     let parsed = command(&program)
         .try_get_matches_from(words)
         .and_then(|found| Cli::from_arg_matches(&found).map_err(|error| error.format(&mut command(&program))));
-    let cli = parsed.map_err(|error| match unquoted_pose(words) {
+    let mut cli = parsed.map_err(|error| match unquoted_pose(words) {
         Some(pose) if error.kind() == ErrorKind::UnknownArgument => {
             let message = format!("--pose requires its seven numbers in quotes: --pose \"{pose}\"");
             subcommand_error(&program, "query", ErrorKind::WrongNumberOfValues, message)
         }
         _ => guesses::with_tip(with_usage(&program, error, words.get(1)), words, &command(&program)),
     })?;
+    if let Command::Terrain(args) = &mut cli.command {
+        args.meshes.options.0.set_at(position("terrain").unwrap_or_default(), Some(Value::Switch(true)));
+    }
     if let Some((name, options)) = cli.command.options() {
         let clash = options.0.clash().map(|clash| clash.message(|key| format!("--{}", flag(key))));
         if let Some(message) = clash.or_else(|| guesses::detached_value(words)) {

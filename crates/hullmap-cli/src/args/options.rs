@@ -120,9 +120,6 @@ impl clap::FromArgMatches for OptionFlags {
             // A subcommand takes some of them.
             self.0.set_at(index, matches.try_get_one::<Value>(option.key).ok().flatten().cloned());
         }
-        if matches.try_contains_id("spacing").is_ok() {
-            self.0.set_at(position("terrain").unwrap_or_default(), Some(Value::Switch(true)));
-        }
         Ok(())
     }
 }
