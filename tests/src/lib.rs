@@ -4,7 +4,7 @@
 //! | module | contents | program |
 //! |---|---|---|
 //! | [`hostile`] | damaged and hostile packs | `hostile-packs` |
-//! | [`faults`] | bakes with faults at system calls, kills, power cuts (Linux) | `bake-faults` |
+//! | [`faults`] | bakes with faults at system calls, power cuts (Linux) | `bake-faults` |
 //! | [`soak`] | solver answers judged by certificates | `solver-soak` |
 //! | [`degenerate`] | small hulls in degenerate poses, judged by their exact depth | `degenerate-truth` |
 //! | [`sheets`] | queries of triangle meshes judged by brute force | `mesh-truth` |
@@ -12,7 +12,6 @@
 //! | [`fuzzed`] | the fuzz targets, their corpora and first inputs | `fuzz-corpus`, and the targets in `fuzz/` |
 //! | [`game_hulls`] | game hulls, from outside of the repository | |
 //! | [`directions`], [`regret`] | directions in which a support query can fail, and by how much | |
-//! | [`wavefront`] | second opinion: a plain OBJ reader | |
 
 pub mod degenerate;
 pub mod directions;
@@ -26,4 +25,3 @@ pub mod regret;
 pub mod sampler;
 pub mod sheets;
 pub mod soak;
-pub mod wavefront;

@@ -88,7 +88,7 @@ pub fn at_every_call(
     let mut tally = Tally::default();
     std::thread::scope(|scope| {
         let work = || {
-            let project = Project::new(binary, 0);
+            let project = Project::new(binary);
             project.put(&project.old);
             let (run, calls) = injector.run(binary, &words(), project.folder(), 0, Fault::None);
             assert!(run.status.success(), "{run:?}");

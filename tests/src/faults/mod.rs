@@ -5,8 +5,7 @@
 //! disturbs a bake of it:
 //!
 //! 1. [`calls`]: its Nth system call on a file fails, transfers fewer bytes, or is the last one;
-//! 2. [`kills`]: SIGKILL at a random moment, alone or during a second bake;
-//! 3. [`power`]: the power is cut, and the disk keeps any part of the data that was not synced.
+//! 2. [`power`]: the power is cut, and the disk keeps any part of the data that was not synced.
 //!
 //! After each fault, every pack is either the old or the new one, and opens. The command's output
 //! and exit code report which it is. The next bake replaces all old packs and leaves no temporary
@@ -14,6 +13,5 @@
 
 pub mod calls;
 pub mod inject;
-pub mod kills;
 pub mod power;
 pub mod project;

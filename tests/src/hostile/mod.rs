@@ -12,7 +12,7 @@
 //! | [`inquiry`], [`sheet_inquiry`] | all queries on a pack, or on a mesh or a field, that opened |
 //! | [`kinds`] | opening and queries, for each kind of file |
 //! | [`trial`] | runs a series on several threads, detects panics and hangs, counts outcomes |
-//! | [`unchecked`] | the same files, opened without the checks |
+//! | [`tries`] | members of a series, opened and queried, with checks and without |
 //! | [`large`] | large packs, and the time of the slowest query on each |
 //! | [`patch`] | changes a single value of the archive in a file |
 //!
@@ -27,7 +27,7 @@ pub mod series;
 pub mod sheet_inquiry;
 pub mod sheets;
 pub mod trial;
-pub mod unchecked;
+pub mod tries;
 
 /// Bytes of the header.
 pub const HEADER_LEN: usize = 64;

@@ -1,25 +1,19 @@
 //! Tries changed files on several threads, and counts the outcomes.
 
-use std::{
-    fmt,
-    ops::AddAssign,
-    panic::{AssertUnwindSafe, catch_unwind},
-    sync::{
-        Mutex,
-        atomic::{AtomicUsize, Ordering},
-        mpsc::{self, RecvTimeoutError},
-    },
-    time::{Duration, Instant},
-};
+use std::fmt;
+use std::ops::{Add, AddAssign};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
 
 /// Time after which a file counts as hanging. The slowest files take milliseconds.
 const HANG_TIME: Duration = Duration::from_secs(60);
 
 /// Interval between checks for a hang.
 const CHECK_INTERVAL: Duration = Duration::from_secs(2);
-
-/// Number of files that a thread takes at a time.
-const BATCH: usize = 64;
 
 /// Number of times that a file which seems to be the slowest is measured again.
 const REPETITIONS: usize = 3;
@@ -51,13 +45,21 @@ impl Tally {
     }
 }
 
+impl Add for Tally {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            tried: self.tried + other.tried,
+            opened: self.opened + other.opened,
+            slowest: [self.slowest, other.slowest].into_iter().flatten().max_by_key(|(took, _)| *took),
+        }
+    }
+}
+
 impl AddAssign for Tally {
     fn add_assign(&mut self, other: Self) {
-        self.tried += other.tried;
-        self.opened += other.opened;
-        if other.slowest.as_ref().map(|(took, _)| *took) > self.slowest.as_ref().map(|(took, _)| *took) {
-            self.slowest = other.slowest;
-        }
+        *self = std::mem::take(self) + other;
     }
 }
 
@@ -80,73 +82,46 @@ pub fn run(
     threads: usize,
     try_one: impl Fn(usize, &mut Vec<u8>) -> bool + Sync,
 ) -> Tally {
-    let threads = threads.clamp(1, indices.len().max(1));
-    let next = AtomicUsize::new(0);
-    let at: Vec<AtomicUsize> = (0..threads).map(|_| AtomicUsize::new(IDLE)).collect();
-    let (sum, fault) = (Mutex::new(Tally::default()), Mutex::new(None));
-    let (sender, ends) = mpsc::channel();
-    std::thread::scope(|scope| {
-        for at in &at {
-            let (sender, next, sum, fault, try_one) = (sender.clone(), &next, &sum, &fault, &try_one);
-            scope.spawn(move || {
-                let mut tally = Tally::default();
-                let mut file = Vec::new();
-                'all: loop {
-                    let start = next.fetch_add(BATCH, Ordering::Relaxed);
-                    let Some(run) = indices.get(start..indices.len().min(start.saturating_add(BATCH))) else { break };
-                    if run.is_empty() {
-                        break;
-                    }
-                    for &index in run {
-                        at.store(index, Ordering::Relaxed);
-                        let start = Instant::now();
-                        let Ok(has_opened) = catch_unwind(AssertUnwindSafe(|| try_one(index, &mut file))) else {
-                            *fault.lock().expect("no thread panics while it holds the lock") = Some(index);
-                            next.store(indices.len(), Ordering::Relaxed);
-                            break 'all;
-                        };
-                        tally.tried += 1;
-                        tally.opened += usize::from(has_opened);
-                        let is_slowest =
-                            |took: Duration| tally.slowest.as_ref().is_none_or(|(slowest, _)| took > *slowest);
-                        let mut took = start.elapsed();
-                        // A file may have been slow only because its thread was waiting.
-                        for _ in 0..REPETITIONS {
-                            if is_slowest(took) {
-                                let start = Instant::now();
-                                try_one(index, &mut file);
-                                took = took.min(start.elapsed());
-                            }
-                        }
-                        if is_slowest(took) {
-                            tally.slowest = Some((took, format!("{name}, {index}")));
-                        }
-                    }
-                }
-                at.store(IDLE, Ordering::Relaxed);
-                *sum.lock().expect("no thread panics while it holds the lock") += tally;
-                // After a fault, the receiver may be gone.
-                let _ = sender.send(());
-            });
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1)).build().expect("threads start");
+    let at: Vec<AtomicUsize> = (0..pool.current_num_threads()).map(|_| AtomicUsize::new(IDLE)).collect();
+    let timed = |index: usize, file: &mut Vec<u8>| {
+        let start = Instant::now();
+        let opened = catch_unwind(AssertUnwindSafe(|| try_one(index, file)));
+        (opened.unwrap_or_else(|_| panic!("{name}: change {index} causes a panic")), start.elapsed())
+    };
+    let try_next = |(mut tally, mut file): (Tally, Vec<u8>), &index: &usize| {
+        let own = &at[rayon::current_thread_index().expect("a thread of the pool")];
+        own.store(index, Ordering::Relaxed);
+        let (has_opened, mut took) = timed(index, &mut file);
+        tally.tried += 1;
+        tally.opened += usize::from(has_opened);
+        let is_slowest = |took: Duration| tally.slowest.as_ref().is_none_or(|(slowest, _)| took > *slowest);
+        // A file may have been slow only because its thread was waiting.
+        for _ in 0..REPETITIONS {
+            if is_slowest(took) {
+                took = took.min(timed(index, &mut file).1);
+            }
         }
-        watch(name, &at, &ends);
-    });
-    if let Some(index) = fault.into_inner().expect("no thread panics while it holds the lock") {
-        panic!("{name}: change {index} causes a panic");
-    }
-    sum.into_inner().expect("no thread panics while it holds the lock")
+        if is_slowest(took) {
+            tally.slowest = Some((took, format!("{name}, {index}")));
+        }
+        own.store(IDLE, Ordering::Relaxed);
+        (tally, file)
+    };
+    let (sender, end) = mpsc::channel();
+    std::thread::scope(|scope| {
+        scope.spawn(|| watch(name, &at, end));
+        // Dropped at the end, also by a panic.
+        let _sender: mpsc::Sender<()> = sender;
+        let tallies = indices.par_iter().fold(Default::default, try_next).map(|(tally, _)| tally);
+        pool.install(|| tallies.reduce(Tally::default, |sum, tally| sum + tally))
+    })
 }
 
-/// Waits for all threads to end, and aborts the process if one hangs.
-fn watch(name: &str, at: &[AtomicUsize], ends: &mpsc::Receiver<()>) {
+/// Aborts the process if a thread hangs, until the sender is dropped.
+fn watch(name: &str, at: &[AtomicUsize], end: mpsc::Receiver<()>) {
     let mut last: Vec<(usize, Instant)> = at.iter().map(|_| (IDLE, Instant::now())).collect();
-    let mut running = at.len();
-    while running > 0 {
-        match ends.recv_timeout(CHECK_INTERVAL) {
-            Ok(()) => running -= 1,
-            Err(RecvTimeoutError::Disconnected) => return,
-            Err(RecvTimeoutError::Timeout) => {}
-        }
+    while end.recv_timeout(CHECK_INTERVAL) == Err(RecvTimeoutError::Timeout) {
         for (at, (index, since)) in at.iter().zip(&mut last) {
             let now = at.load(Ordering::Relaxed);
             if now != *index || now == IDLE {
@@ -167,7 +142,7 @@ mod tests {
     #[test]
     fn every_index_is_tried_once_and_counted() {
         let indices: Vec<usize> = (0..1000).map(|i| 3 * i).collect();
-        let seen = Mutex::new(Vec::new());
+        let seen = std::sync::Mutex::new(Vec::new());
         let tally = run("all", &indices, 3, |index, _| {
             seen.lock().unwrap().push(index);
             index.is_multiple_of(2)

@@ -1,11 +1,15 @@
 //! Rays at edges, vertices and seams, judged in rational numbers: where triangles or parts meet, a
 //! ray must not reach the surface behind.
 
+use std::sync::Arc;
+
 use glam::DVec3;
-use hullmap::compound::OneSided;
+use hullmap::compound::{OneSided, SharedSheet};
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap::shapes::Sphere;
-use hullmap::{Cache, CastSettings, HeightField, Motion, Pack, Pose, Ray, RayHit, Status, TriangleMesh};
+use hullmap::{
+    Cache, CastSettings, HeightField, Motion, Pack, Pose, Ray, RayHit, SharedGeometry, Status, TriangleMesh,
+};
 use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_bake::{IndexKind, SourceRecord};
@@ -20,9 +24,8 @@ const RAYS: u64 = 100;
 
 /// Surfaces in one scene.
 struct Joints {
-    mesh: Option<TriangleMesh>,
-    field: Option<HeightField>,
-    pack: Option<Pack>,
+    sheets: Vec<SharedSheet>,
+    pack: Option<Arc<Pack>>,
     triangles: Vec<[DVec3; 3]>,
     /// Vertices of each part of the pack, and its facets.
     parts: Vec<Vec<DVec3>>,
@@ -104,14 +107,14 @@ fn blocks(rng: &mut SplitMix64) -> Vec<Vec<DVec3>> {
 impl Joints {
     fn new(rng: &mut SplitMix64) -> Self {
         let mut own =
-            Self { mesh: None, field: None, pack: None, triangles: Vec::new(), parts: Vec::new(), facets: Vec::new() };
+            Self { sheets: Vec::new(), pack: None, triangles: Vec::new(), parts: Vec::new(), facets: Vec::new() };
         let kind = rng.below(6);
         if kind < 4 {
             let near = if kind == 1 { Vec::new() } else { ground(rng) };
-            own.mesh = Some(mesh(&[near, floor(-20.0)].concat()));
+            own.sheets.push(SharedSheet::Mesh(Arc::new(mesh(&[near, floor(-20.0)].concat()))));
         }
         if kind == 1 || kind == 2 {
-            own.field = Some(field(rng));
+            own.sheets.push(SharedSheet::Field(Arc::new(field(rng))));
         }
         if kind > 2 {
             let sets: Vec<_> = blocks(rng)
@@ -119,11 +122,13 @@ impl Joints {
                 .map(|part| point_set("part", &part.iter().map(|p| p.as_vec3().to_array()).collect::<Vec<_>>()))
                 .collect();
             let file = bytes(&sets, IndexKind::Tree, &SourceRecord::default()).expect("a pack");
-            own.pack = Some(Pack::from_bytes(&file).expect("the pack is valid"));
+            own.pack = Some(Arc::new(Pack::from_bytes(&file).expect("the pack is valid")));
         }
-        let of_mesh = own.mesh.iter().flat_map(|mesh| (0..mesh.triangle_count()).filter_map(|i| mesh.triangle(i)));
-        let of_field = own.field.iter().flat_map(|field| (0..field.triangle_count()).filter_map(|i| field.triangle(i)));
-        own.triangles = of_mesh.chain(of_field).map(|triangle| triangle.corners()).collect();
+        let of_sheet = |sheet: &SharedSheet| {
+            let corners = |i| Some(sheet.triangle(i)?.corners());
+            (0..sheet.triangle_count()).filter_map(corners).collect::<Vec<_>>()
+        };
+        own.triangles = own.sheets.iter().flat_map(of_sheet).collect();
         let hulls = own.pack.iter().flat_map(|pack| (0..pack.hull_count()).filter_map(|i| pack.hull(i).ok()));
         own.parts = hulls.map(|hull| hull.vertices().map(|v| v.as_dvec3()).collect()).collect();
         own.facets = own.parts.iter().map(|part| facets(part)).collect();
@@ -242,47 +247,38 @@ impl Joints {
         (first, count)
     }
 
+    /// The surfaces, each with both of its sides.
+    fn surfaces(&self) -> impl Iterator<Item = SharedGeometry> {
+        let sheets = self.sheets.iter().cloned().map(SharedGeometry::Sheet);
+        sheets.chain(self.pack.clone().map(SharedGeometry::Compound))
+    }
+
     /// The answers of all surfaces to a ray.
     fn answers(&self, ray: &Ray, settings: &CastSettings, is_one_sided: bool) -> Vec<Vec<RayHit>> {
-        let of_mesh = self.mesh.as_ref().map(|mesh| match is_one_sided {
-            true => hullmap::ray(&OneSided::new(mesh), ray, settings),
-            false => hullmap::ray(mesh, ray, settings),
-        });
-        let of_field = self.field.as_ref().map(|field| match is_one_sided {
-            true => hullmap::ray(&OneSided::new(field), ray, settings),
-            false => hullmap::ray(field, ray, settings),
-        });
-        let of_pack = self.pack.as_ref().map(|pack| hullmap::ray(pack, ray, settings));
-        vec![[of_mesh, of_field, of_pack].into_iter().flatten().collect()]
+        let of_front = |sheet| hullmap::ray(&OneSided::new(sheet), ray, settings);
+        vec![match is_one_sided {
+            true => self.sheets.iter().map(of_front).collect(),
+            false => self.surfaces().map(|surface| hullmap::ray(&surface, ray, settings)).collect(),
+        }]
     }
 
     /// The answers of all surfaces to a point that moves along a ray, and of those to surfaces that
     /// move against it.
     fn casts(&self, ray: &Ray, settings: &CastSettings) -> Vec<Vec<RayHit>> {
         let (dot, cache) = (Sphere::new(0.0).expect("a point"), &mut Cache::new());
-        let (Ok(start), Ok(motion)) = (Pose::from_translation(ray.origin()), Motion::new(ray.direction())) else {
-            return Vec::new();
+        let place = |sign: f64| {
+            Some((Pose::from_translation(sign * ray.origin()).ok()?, Motion::new(sign * ray.direction()).ok()?))
         };
-        let (Ok(back), Ok(against)) = (Pose::from_translation(-ray.origin()), Motion::new(-ray.direction())) else {
-            return Vec::new();
-        };
-        let (mut to, mut from) = (Vec::new(), Vec::new());
-        if let Some(mesh) = &self.mesh {
-            to.push(hullmap::cast(mesh, &dot, start, motion, settings, cache));
-            from.push(hullmap::cast(&dot, mesh, back, against, settings, cache));
-        }
-        if let Some(field) = &self.field {
-            to.push(hullmap::cast(field, &dot, start, motion, settings, cache));
-            from.push(hullmap::cast(&dot, field, back, against, settings, cache));
-        }
-        if let Some(pack) = &self.pack {
-            to.push(hullmap::cast(pack, &dot, start, motion, settings, cache));
-            from.push(hullmap::cast(&dot, pack, back, against, settings, cache));
-        }
+        let (Some((start, motion)), Some((back, against))) = (place(1.0), place(-1.0)) else { return Vec::new() };
         let as_ray = |found: hullmap::Impact| {
             let hullmap::Impact { hit, status, t, t_lower, t_upper, normal, point_a: point, .. } = found;
             RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations: 0, support_calls: 0, part: 0 }
         };
-        [to, from].map(|found| found.into_iter().map(as_ray).collect()).into()
+        let (mut to, mut from) = (Vec::new(), Vec::new());
+        for surface in self.surfaces() {
+            to.push(as_ray(hullmap::cast(&surface, &dot, start, motion, settings, cache)));
+            from.push(as_ray(hullmap::cast(&dot, &surface, back, against, settings, cache)));
+        }
+        vec![to, from]
     }
 }

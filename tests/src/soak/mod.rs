@@ -16,7 +16,6 @@
 //! | [`planes`] | half-spaces, and their certificates |
 //! | [`manifolds`] | manifolds of moving pairs, and their certificates |
 //! | [`motions`] | times of impact of shapes that move and turn, and their certificates |
-//! | [`screws`] | times of impact of small hulls, in exact arithmetic |
 //! | [`derivatives`] | derivatives of answers about hulls, against central differences |
 //! | [`tally`] | the counts, and the wrong answers |
 //!
@@ -34,25 +33,16 @@ pub mod meeting;
 pub mod model;
 pub mod motions;
 pub mod planes;
-pub mod screws;
 pub mod tally;
 
-use std::{
-    ops::Range,
-    panic::{AssertUnwindSafe, catch_unwind},
-    sync::{
-        Mutex,
-        atomic::{AtomicU64, Ordering},
-    },
-};
+use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use bodies::{Bodies, BodyPair};
 use judge::judge_pair;
+use rayon::prelude::*;
 use shapes::rng::SplitMix64;
 use tally::{Tally, Wrong};
-
-/// Number of pairs that a thread takes at a time: about 20 ms of work.
-const BATCH: u64 = 2048;
 
 /// Queries of the soak.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -71,35 +61,23 @@ pub enum Queries {
     Manifolds,
     /// Times of impact of pairs that move and turn.
     Motions,
-    /// Times of impact of small hulls of their own that move and turn, in exact arithmetic.
-    Screws,
     /// Derivatives of distances, depths, rays and shape casts.
     Derivatives,
 }
 
 /// Judges the pairs `indices` of `seed` on `threads` threads. The tally does not depend on the
-/// number of threads.
+/// number of threads. Panics if they cannot be started.
 pub fn soak(bodies: &Bodies<'_>, queries: Queries, seed: u64, indices: Range<u64>, threads: usize) -> Tally {
-    let next = AtomicU64::new(indices.start);
-    let sum = Mutex::new(Tally::default());
-    std::thread::scope(|scope| {
-        for _ in 0..threads.max(1) {
-            scope.spawn(|| {
-                let mut tally = Tally::default();
-                loop {
-                    let start = next.fetch_add(BATCH, Ordering::Relaxed);
-                    if start >= indices.end {
-                        break;
-                    }
-                    for index in start..indices.end.min(start + BATCH) {
-                        judge_one(bodies, queries, seed, index, &mut tally);
-                    }
-                }
-                sum.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).add(tally);
-            });
-        }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1)).build().expect("threads start");
+    let tallies = indices.into_par_iter().fold(Tally::default, |mut tally, index| {
+        judge_one(bodies, queries, seed, index, &mut tally);
+        tally
     });
-    sum.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner())
+    let join = |mut sum: Tally, tally| {
+        sum.add(tally);
+        sum
+    };
+    pool.install(|| tallies.reduce(Tally::default, join))
 }
 
 /// Judges one pair; a panic counts as wrong.
@@ -127,7 +105,6 @@ fn judge_line(queries: Queries, pair: &BodyPair<'_, '_>, tally: &mut Tally) {
         Queries::HalfSpaces => planes::judge(pair, &mut rng, tally),
         Queries::Manifolds => manifolds::judge(pair, &mut rng, tally),
         Queries::Motions => motions::judge(pair, &mut rng, tally),
-        Queries::Screws => screws::judge(pair, &mut rng, tally),
         Queries::Derivatives => derivatives::judge(pair, &mut rng, tally),
     }
 }

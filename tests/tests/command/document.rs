@@ -1,5 +1,6 @@
 //! docs/COMMAND.md is correct: it lists every JSON field of each command, and no others. Its flags
-//! are made from the command (`args/reference.rs` in the crate of the command).
+//! are made from the command (`args/reference.rs` in the crate of the command), and
+//! `tests/cases/options.md` tests its exit codes.
 
 use std::{collections::BTreeSet, fs};
 
@@ -136,40 +137,5 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
             all.append(&mut printed);
         }
         assert_eq!(all, documented, "{name}: printed by any line, documented");
-    }
-}
-
-#[test]
-fn exit_codes_match_the_page() {
-    let page = fs::read_to_string(workspace().join("docs/COMMAND.md")).unwrap();
-    let rows = page.split("## Exit codes").nth(1).unwrap().lines().filter_map(|line| line.strip_prefix("| "));
-    let codes: Vec<i32> = rows.filter_map(|row| row.split(' ').next()?.parse().ok()).collect();
-    // `interruptions.rs` tests Ctrl-C.
-    assert_eq!(codes, [0, 1, 2, 130]);
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("a.obj"), CUBE).unwrap();
-    fs::write(folder.path().join("bad.obj"), "v 0\n").unwrap();
-    for (line, code) in [
-        ("build a.obj --out .", 0),
-        ("build a.obj --out . --check", 0),
-        ("build a.obj --out . --check --index none", 1),
-        ("build bad.obj --out .", 1),
-        ("build a.obj bad.obj --out .", 1),
-        ("verify a.hullmap --require-source", 0),
-        ("inspect bad.obj", 1),
-        ("inspect a.hullmap bad.obj", 1),
-        ("inspect gone.hullmap", 2),
-        ("build a.obj --out a.obj", 2),
-        ("build a.obj", 2),
-        ("init nowhere", 2),
-        ("export a.hullmap --out hull.obj", 0),
-        ("export a.hullmap --out hull.obj", 2),
-        ("export bad.obj --out new.obj", 1),
-        ("decompose a.obj parts.obj", 0),
-        ("decompose a.obj parts.obj", 2),
-        ("decompose bad.obj new.obj", 1),
-        ("decompose a.obj parts.stl", 2),
-    ] {
-        bake_in(folder.path(), line.split_whitespace()).expect(code);
     }
 }

@@ -1,4 +1,4 @@
-//! Bakes with faults: a broken or full disk, a kill, a power cut. The program `bake-faults` runs
+//! Bakes with faults: a broken or full disk, a power cut. The program `bake-faults` runs
 //! many more.
 
 use std::{
@@ -12,7 +12,6 @@ use hullmap_outside::files::folder;
 use hullmap_tests::faults::{
     calls,
     inject::{Errno, Fault, Injector},
-    kills,
     power::{self, Op},
     project::Project,
 };
@@ -39,17 +38,9 @@ fn a_fault_at_every_system_call() {
 }
 
 #[test]
-fn kills_at_random_moments() {
-    let tally = kills::kill(binary(), 150, 1, THREADS);
-    println!("{tally}");
-    assert!(tally.wrong.is_empty(), "{:#?}", tally.wrong);
-    assert!(tally.none_some_all[1] > 20 && tally.beside > 10, "representative: {tally}");
-}
-
-#[test]
 fn a_power_cut_after_every_operation() {
     let Some(injector) = injector() else { return };
-    let project = Project::new(binary(), 0);
+    let project = Project::new(binary());
     let ops = power::record(&project, &injector);
     let tally = power::cut(&project, &ops, 1);
     println!("{tally}");

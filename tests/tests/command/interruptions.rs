@@ -93,6 +93,28 @@ fn ctrl_c_leaves_whole_packs_alone_and_exits_with_130() {
     bake_in(folder.path(), ["build", "in", "--out", "o", "--check"]).expect(0);
 }
 
+/// Builds share a folder, and half of them are killed: the others end well, every pack is whole,
+/// and the next build leaves nothing else.
+#[test]
+fn killed_builds_beside_others_leave_whole_packs() {
+    let folder = meshes(12, 1000);
+    let out = folder.path().join("o");
+    for wait in [0, 10, 30, 70] {
+        let _ = fs::remove_dir_all(&out);
+        let start = || command(folder.path(), ["build", "in", "--out", "o", "--quiet"]).spawn().unwrap();
+        let mut builds: Vec<Child> = (0..6).map(|_| start()).collect();
+        wait_for_a_pack(&out);
+        std::thread::sleep(Duration::from_millis(wait));
+        builds.iter_mut().step_by(2).for_each(|build| build.kill().unwrap());
+        for (index, build) in builds.iter_mut().enumerate() {
+            assert!(build.wait().unwrap().success() || index % 2 == 0, "{wait} ms, build {index}");
+        }
+        assert_eq!(assert_packs_open(&out), 12);
+        bake_in(folder.path(), ["build", "in", "--out", "o", "--force"]).expect(0);
+        assert_eq!(left_over(&out), [""; 0]);
+    }
+}
+
 /// Waits are repeated, longer each time, until the process has come far enough to catch Ctrl-C.
 #[test]
 fn ctrl_c_leaves_the_output_of_a_decomposition_as_it_was() {

@@ -6,7 +6,6 @@ mod budgets;
 mod cases;
 mod document;
 mod export;
-mod farm;
 #[cfg(target_os = "linux")]
 mod faults;
 #[cfg(unix)]
@@ -21,4 +20,3 @@ mod scenes;
 mod surfaces;
 #[cfg(unix)]
 mod untrusted;
-mod voids;

@@ -1,135 +1,24 @@
-//! Untrusted packs, meshes and names: files that they must not make the command read or write, and
-//! text that it must not print.
+//! Untrusted packs and names: packs that claim another source, and text that the command must not
+//! print.
 
 use std::fs;
-use std::os::unix::fs::symlink;
 use std::path::Path;
-use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
 
 use hullmap_bake::{IndexKind, SourceRecord};
-use hullmap_format::header::source_hash;
-use hullmap_outside::command::{Run, bake_in, command};
+use hullmap_format::header::{HEADER_LEN, Header, source_hash};
+use hullmap_outside::command::{bake_in, bake_line as bake};
 use hullmap_outside::files::{folder, workspace};
 use hullmap_testkit::packs::{self, point_set};
 
 const CUBE: &str = "o cube\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
 
-/// Longest time for a run. A run that waits for a pipe would never end.
-const LIMIT: Duration = Duration::from_secs(60);
-
-/// Runs `bake` and kills it after [`LIMIT`].
-#[track_caller]
-fn bake(folder: &Path, line: &str, code: i32) -> Run {
-    let mut child = command(folder, line.split_whitespace());
-    let mut child = child.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let start = Instant::now();
-    while child.try_wait().unwrap().is_none() {
-        if start.elapsed() > LIMIT {
-            child.kill().unwrap();
-            panic!("bake {line} did not end");
-        }
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    let run = child.wait_with_output().unwrap();
-    let text = |bytes| String::from_utf8(bytes).unwrap();
-    let run = Run { code: run.status.code().unwrap(), stdout: text(run.stdout), stderr: text(run.stderr) };
-    run.expect(code)
-}
-
-fn make_pipe(path: &Path) {
-    assert!(Command::new("mkfifo").arg(path).status().unwrap().success());
-}
-
-/// The record of a pack of [`CUBE`], with this index.
-fn record(path: &str, index: &str) -> SourceRecord {
-    SourceRecord {
-        path: path.to_owned(),
-        hash: source_hash(CUBE.as_bytes()),
-        options: format!("split none, vertices referenced, index {index}"),
-        ..SourceRecord::default()
-    }
-}
-
-/// Writes the pack of a tetrahedron of this height that records this source.
-fn write_tetrahedron(path: &Path, height: f32, record: &SourceRecord) {
+/// Writes the pack of a tetrahedron of this height that claims the source `in/x.obj`, [`CUBE`].
+fn write_tetrahedron(path: &Path, height: f32, warnings: Vec<String>) {
+    let options = "split none, vertices referenced, index tree 8".to_owned();
+    let record = SourceRecord { path: "../in/x.obj".to_owned(), hash: source_hash(CUBE.as_bytes()), options, warnings };
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, height]];
     fs::create_dir_all(path.parent().unwrap()).unwrap();
-    fs::write(path, packs::bytes(&[point_set("x", &corners)], IndexKind::Tree, record).unwrap()).unwrap();
-}
-
-/// A pack that recorded `../../../dev/zero` was read until the memory was full. A pipe blocked the
-/// command, and the message revealed whether a file existed.
-#[test]
-fn a_recorded_path_is_followed_only_inside_the_project() {
-    let folder = folder(&[("x.obj", CUBE), ("home/project/art/x.obj", CUBE)]);
-    let project = folder.path().join("home/project");
-    let pack = project.join("baked/p.hullmap");
-    make_pipe(&folder.path().join("pipe"));
-    make_pipe(&project.join("art/pipe"));
-    for (target, link) in [("../../../x.obj", "link"), ("../../../nothing", "broken"), ("/dev/zero", "zero")] {
-        symlink(target, project.join("art").join(link)).unwrap();
-    }
-    let up = "../".repeat(folder.path().components().count() + 4);
-    for (path, reason) in [
-        (format!("{up}dev/zero"), "leads out"),
-        (format!("{up}etc/hostname"), "leads out"),
-        (format!("{up}etc/no such file"), "leads out"),
-        ("../../../x.obj".to_owned(), "leads out"),
-        ("../../../nothing.obj".to_owned(), "leads out"),
-        ("../../../pipe".to_owned(), "leads out"),
-        ("../art/link".to_owned(), "leads out"),
-        ("../art/broken".to_owned(), "leads out"),
-        ("../art/zero".to_owned(), "leads out"),
-        ("../art/pipe".to_owned(), "is not a regular file"),
-        ("../art".to_owned(), "is not a regular file"),
-    ] {
-        write_tetrahedron(&pack, 1.0, &record(&path, "none"));
-        let ending = match reason {
-            "leads out" => "leads out of the pack's project, so it was not followed",
-            _ => "is not a regular file, so it was not read",
-        };
-        let message = format!("baked/p.hullmap: the recorded path `{path}` {ending}");
-        let run = bake(&project, "verify baked", 0);
-        let expected = format!("note: {message}; compared with the stored hull only (name the source with --source)\n");
-        assert_eq!(run.stderr, expected, "the same words whether or not a file is there");
-        let run = bake(&project, "verify baked --require-source", 1);
-        assert_eq!(run.stderr, format!("error: {message}; name the source with --source\n"));
-        bake(&project, "report baked/p.hullmap --out page.html", 0);
-        let page = fs::read_to_string(project.join("page.html")).unwrap();
-        assert!(page.contains("name the source with --source"), "{path}");
-    }
-    // A source that the user names is read, wherever it lies.
-    let run = bake(&project, "verify baked --source ../../x.obj --json", 0);
-    assert_eq!(run.json()[0]["against"], "source");
-    // Inside the project, and through a link that stays inside, everything works as before.
-    symlink("art", project.join("linked")).unwrap();
-    for path in ["../art/x.obj", "../linked/x.obj"] {
-        write_tetrahedron(&pack, 1.0, &record(path, "none"));
-        for (start, line) in
-            [(".", "verify baked"), ("baked", "verify ."), ("baked", "verify p.hullmap"), ("art", "verify ../baked")]
-        {
-            let run = bake(&project.join(start), &format!("{line} --require-source --json"), 0);
-            assert_eq!(run.json()[0]["against"], "source", "{start}: {line}");
-        }
-    }
-}
-
-/// A build reported whether a file outside the project existed: only packs without a source are
-/// listed.
-#[test]
-fn orphans_do_not_reveal_which_files_exist() {
-    let folder = folder(&[("secret.obj", CUBE), ("home/project/in/a.obj", CUBE)]);
-    let project = folder.path().join("home/project");
-    for name in ["secret", "nothing"] {
-        let record = record(&format!("../../../{name}.obj"), "none");
-        write_tetrahedron(&project.join("o").join(format!("{name}.hullmap")), 1.0, &record);
-    }
-    let run = bake(&project, "build in --out o --prune --json", 0);
-    let rows: Vec<String> =
-        run.json().iter().skip(1).map(|row| format!("{} {}", row["status"], row["notes"])).collect();
-    assert_eq!(rows.len(), 2, "{}", run.stdout);
-    assert!(rows[0] == rows[1] && rows[0].contains("leads out of the project"), "{rows:?}");
+    fs::write(path, packs::bytes(&[point_set("x", &corners)], IndexKind::Tree, &record).unwrap()).unwrap();
 }
 
 /// Everything that a terminal obeys instead of showing it, in one name.
@@ -251,24 +140,52 @@ fn text_is_printed_by_one_file() {
 #[test]
 fn a_forged_pack_can_be_fresh() {
     let folder = folder(&[("in/x.obj", CUBE)]);
-    write_tetrahedron(&folder.path().join("o/x.hullmap"), 1.5, &record("../in/x.obj", "tree 8"));
-    bake(folder.path(), "build in --out o --check", 0);
-    bake(folder.path(), "verify o", 1);
-    bake(folder.path(), "build in --out o --verify", 1);
+    write_tetrahedron(&folder.path().join("o/x.hullmap"), 1.5, Vec::new());
+    for (line, code) in [("build in --out o --check", 0), ("verify o", 1), ("build in --out o --verify", 1)] {
+        bake(&folder, line).expect(code);
+    }
 }
 
 /// Recorded warnings are bounded, and forge no line.
 #[test]
 fn untrusted_warnings_do_no_harm() {
     let folder = folder(&[("in/x.obj", CUBE)]);
-    bake(folder.path(), "build in --out o", 0);
+    bake(&folder, "build in --out o").expect(0);
     for (warnings, count) in [(vec!["a\nb\u{1b}[2J".to_owned()], 1), (vec!["x".repeat(20_000); 200], 100)] {
-        let record = SourceRecord { warnings, ..record("../in/x.obj", "tree 8") };
-        write_tetrahedron(&folder.path().join("o/x.hullmap"), 1.0, &record);
-        let run = bake_in(folder.path(), ["build", "in", "--out", "o", "--json"]).expect(0);
+        write_tetrahedron(&folder.path().join("o/x.hullmap"), 1.0, warnings);
+        let run = bake(&folder, "build in --out o --json").expect(0);
         assert_eq!(run.json()[0]["status"], "fresh");
         assert_eq!(run.json()[0]["warnings"].as_array().unwrap().len(), count);
         assert_eq!(run.stderr.lines().count(), count);
         assert!(run.stderr.len() < 2_000_000 && !run.stderr.contains('\u{1b}'), "{}", run.stderr.len());
     }
+}
+
+/// An entry of a cache with the right header and a correct checksum, but the hull of another mesh.
+#[test]
+fn an_entry_of_another_mesh_fails_its_verification() {
+    let mesh = |height: u8| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 {height}\n");
+    let folder = folder(&[("in/0.obj", &mesh(1)), ("in/3.obj", &mesh(4))]);
+    let build = "build in --out o --cache cache --json --force";
+    let rows = bake(&folder, "key in --out o --json").expect(0).json();
+    bake(&folder, build).expect(0);
+    let entry = |row: usize| {
+        let key = rows[row]["key"].as_str().unwrap();
+        folder.path().join(format!("cache/{}/{key}.hullmap", &key[..2]))
+    };
+    let [honest, mut other] = [0, 1].map(|row| fs::read(entry(row)).unwrap());
+    // The recorded path has the same length.
+    let at = other.windows(5).position(|window| window == b"3.obj").unwrap();
+    other[at] = b'0';
+    let right = Header::read(&honest).unwrap();
+    let header = Header::for_payload(right.source_hash, right.options_hash, &other[HEADER_LEN..]);
+    other[..HEADER_LEN].copy_from_slice(&header.to_bytes());
+    fs::write(entry(0), other).unwrap();
+    fs::remove_dir_all(folder.path().join("o")).unwrap();
+    let run = bake(&folder, "build in --out o --cache cache --json --verify").expect(0);
+    let origins: Vec<String> = run.json().iter().map(|row| row["origin"].to_string()).collect();
+    assert_eq!(origins, ["\"local\"", "\"cache\""], "{}", run.stderr);
+    assert!(run.stderr.contains("verification failed"), "{}", run.stderr);
+    assert_eq!(fs::read(entry(0)).unwrap(), honest);
+    assert_eq!(fs::read(folder.path().join("o/0.hullmap")).unwrap(), honest);
 }

@@ -8,22 +8,13 @@
 //! The tests try a random sample; `cargo run --release -p hullmap-programs --bin hostile-packs`
 //! tries all. The checksum is computed independently, as the documentation describes it.
 
-use std::sync::{
-    Mutex,
-    atomic::{AtomicUsize, Ordering},
-};
-
 use hullmap::{IndexKind, Pack};
 use hullmap_testkit::packs::reseal;
-use hullmap_tests::hostile::{
-    inquiry::{Extent, Inquiry},
-    kinds::AnyInquiry,
-    samples::{self, Sample},
-    series::{MAX_ADDED, Series, Subject},
-    sheets,
-    trial::{self, Tally},
-    unchecked::{self, Findings},
-};
+use hullmap_tests::hostile::inquiry::Extent;
+use hullmap_tests::hostile::samples::{self, Sample};
+use hullmap_tests::hostile::series::{MAX_ADDED, Series};
+use hullmap_tests::hostile::trial::Tally;
+use hullmap_tests::hostile::{sheets, tries};
 use shapes::rng::SplitMix64;
 
 /// Seed of the random changes.
@@ -51,17 +42,7 @@ fn all() -> Vec<Sample> {
 /// Tries some changes of every small file.
 fn try_all(series: Series, indices: impl Fn(Option<usize>) -> Vec<usize>) -> Tally {
     let mut sum = Tally::default();
-    for sample in all() {
-        let subject = Subject::new(&sample, SEED);
-        let inquiry = AnyInquiry::new(&sample.file, Extent::BRIEF);
-        let name = format!("{series:?}, {}, seed {SEED:#x}", sample.name);
-        sum += trial::run(&name, &indices(subject.count(series)), THREADS, |index, file| {
-            subject.change(series, index, file);
-            let opened = inquiry.run(file).map_err(|error| assert!(!error.to_string().is_empty()));
-            assert!(opened.is_err() || !series.is_always_rejected(), "a file that must be rejected opened");
-            opened.is_ok()
-        });
-    }
+    all().iter().for_each(|sample| sum += tries::checked(sample, series, (SEED, THREADS, Extent::BRIEF), &indices));
     println!("{series:?}: {sum}");
     sum
 }
@@ -109,26 +90,10 @@ fn several_random_changes_under_a_correct_checksum_are_rejected_or_harmless() {
 /// every query ends, and no query panics.
 #[test]
 fn queries_end_on_damage_that_opening_did_not_check() {
-    let folder = tempfile::tempdir().unwrap();
-    let (findings, files, mut sum) = (Mutex::new(Findings::default()), AtomicUsize::new(0), Tally::default());
-    for sample in samples::small() {
-        let subject = Subject::new(&sample, SEED);
-        let inquiry = Inquiry::new(&Pack::from_bytes(&sample.file).unwrap(), Extent::BRIEF).unjudged();
-        for series in [Series::SealedBits, Series::Words, Series::Drawn] {
-            let mut indices = share(subject.count(series).unwrap_or(SHARE));
-            indices.retain(|index| index % 5 == 0);
-            let name = format!("unchecked, {series:?}, {}, seed {SEED:#x}", sample.name);
-            sum += trial::run(&name, &indices, THREADS, |index, file| {
-                subject.change(series, index, file);
-                let path = folder.path().join(files.fetch_add(1, Ordering::Relaxed).to_string());
-                unchecked::query(&path, file, &inquiry, &findings)
-            });
-        }
-    }
-    let Findings { queried, panics } = findings.into_inner().unwrap();
-    println!("unchecked: {sum}, {queried} sets of queries, panics {panics:?}");
+    let some = |count: Option<usize>| share(count.unwrap_or(SHARE)).into_iter().filter(|index| index % 5 == 0);
+    let (sum, queried) = tries::unchecked(&samples::small(), (SEED, THREADS), |count| some(count).collect());
+    println!("unchecked: {sum}, {queried} sets of queries");
     assert!(queried > sum.tried, "too few files opened");
-    assert!(panics.is_empty(), "{panics:?}");
 }
 
 #[test]

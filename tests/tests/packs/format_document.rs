@@ -12,7 +12,7 @@ use hullmap_bake::fit::VoidsShare;
 use hullmap_bake::primitive::{Primitive, ProvenPrimitive};
 use hullmap_bake::{BakedHull, Fit, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
 use hullmap_tests::directions;
-use reader::{File, section, u32_at, u64_at};
+use reader::{File, Stored as _, section};
 use shapes::{families::Family, rng::SplitMix64};
 use twox_hash::{XxHash3_64, XxHash3_128};
 
@@ -110,34 +110,36 @@ fn boxes(file: &File) {
     let mut free = 1;
     let mut levels = vec![0; nodes.len()];
     for (index, node) in nodes.iter().enumerate() {
-        let inside =
-            |other: [[f32; 3]; 2]| (0..3).all(|i| node.bounds[0][i] <= other[0][i] && other[1][i] <= node.bounds[1][i]);
+        let inside = |other: &reader::BoxNode| {
+            (0..3).all(|i| node.bounds_min[i] <= other.bounds_min[i] && other.bounds_max[i] <= node.bounds_max[i])
+        };
+        let target = node.target as usize;
         if node.hull_count == 1 {
-            let hull = file.hull(node.target);
+            let hull = file.hull(target);
             assert_eq!(hull.record.leaf as usize, index);
-            assert_eq!(node.bounds, [hull.record.bounds_min, hull.record.bounds_max]);
+            assert_eq!([node.bounds_min, node.bounds_max], [hull.record.bounds_min, hull.record.bounds_max]);
             continue;
         }
-        assert_eq!(node.target, free);
+        assert_eq!(target, free);
         free += 2;
-        for child in [node.target, node.target + 1] {
+        for child in [target, target + 1] {
             levels[child] = levels[index] + 1;
-            assert!(inside(nodes[child].bounds) && levels[child] < 32);
+            assert!(inside(&nodes[child]) && levels[child] < 32);
         }
-        assert_eq!(node.hull_count, nodes[node.target].hull_count + nodes[node.target + 1].hull_count);
+        assert_eq!(node.hull_count, nodes[target].hull_count + nodes[target + 1].hull_count);
     }
-    assert_eq!((free, nodes[0].hull_count), (nodes.len(), count));
+    assert_eq!((free, nodes[0].hull_count as usize), (nodes.len(), count));
 }
 
 fn hashes(bytes: &[u8], file: &File, source: &SourceRecord) {
-    let low_then_high = u128::from(u64_at(bytes, 24)) | u128::from(u64_at(bytes, 32)) << 64;
+    let low_then_high = u128::from(u64::at(bytes, 24)) | u128::from(u64::at(bytes, 32)) << 64;
     assert_eq!(low_then_high, source.hash);
-    assert_eq!(u64_at(bytes, 40), XxHash3_64::oneshot(file.section(section::OPTIONS)));
+    assert_eq!(u64::at(bytes, 40), XxHash3_64::oneshot(file.section(section::OPTIONS)));
     let mut checksum = XxHash3_64::with_seed(0);
     checksum.write(&bytes[..56]);
     checksum.write(&bytes[64..]);
-    assert_eq!(u64_at(bytes, 56), checksum.finish());
-    assert_eq!(u64_at(bytes, 56), XxHash3_64::oneshot(&[&bytes[..56], &bytes[64..]].concat()), "in one piece");
+    assert_eq!(u64::at(bytes, 56), checksum.finish());
+    assert_eq!(u64::at(bytes, 56), XxHash3_64::oneshot(&[&bytes[..56], &bytes[64..]].concat()), "in one piece");
 }
 
 fn record(ours: &reader::Hull, theirs: &hullmap::Hull, baked: &BakedHull) {
@@ -229,7 +231,7 @@ fn voids_are_read_back() {
     compare(&hulls, &source("voids", ""), 500, &mut Met::default());
     let file = write_pack(&hulls, &SourceRecord::default()).unwrap();
     let expected = [(1, 0.5), (5, 0.0)].map(|(hull, share)| reader::Voids { hull, share, error: 0.0625 });
-    assert_eq!((u32_at(&file, 8), File::new(&file).voids()), (9, Vec::from(expected)));
+    assert_eq!((u32::at(&file, 8), File::new(&file).voids()), (9, Vec::from(expected)));
     let pack = Pack::from_bytes(&file).unwrap();
     let found: Vec<Option<f64>> = pack.hulls().map(|hull| hull.voids().map(|voids| voids.share)).collect();
     assert_eq!(found, [None, Some(0.5), Some(0.5), None, None, Some(0.0), Some(0.0)]);
@@ -599,7 +601,7 @@ fn the_notes_on_the_root_hold() {
     for (offset, _, note) in listing().into_iter().filter(|line| line.0 >= root) {
         let (range, (name, ..)) = sections.next().unwrap();
         let relative = range.start as i64 - offset as i64;
-        let count = u32_at(&baked, offset + 4);
+        let count = u32::at(&baked, offset + 4);
         assert_eq!(note, format!("{name}: {relative} from here, at {:08x}; count {count}", range.start));
     }
     assert!(sections.next().is_none());

@@ -1,4 +1,4 @@
-//! Import of literal OBJ texts, and of the meshes in the folder HULLMAP_MESHES.
+//! Import of literal OBJ texts.
 
 mod collada;
 mod draco;
@@ -14,7 +14,6 @@ use std::path::Path;
 use super::fault::Fault;
 use super::*;
 use crate::options::Split;
-use shapes::rng::SplitMix64;
 
 const WHOLE: ImportOptions =
     ImportOptions { split: Split::None, vertices: Vertices::Referenced, ..ImportOptions::DEFAULT };
@@ -60,10 +59,35 @@ fn outline(imported: &Imported) -> Vec<(&str, &[u32])> {
 }
 
 #[test]
-fn triangles_quads_and_polygons() {
-    assert_eq!(vertices(square_with("f 1 2 3\n")), [0, 1, 2]);
-    assert_eq!(vertices(square_with("f 4 3 2 1\n")), [0, 1, 2, 3]);
-    assert_eq!(vertices(square_with("v 2 2 2\nv 3 3 3\nf 1 2 3 4 5\n")), [0, 1, 2, 3, 4]);
+fn elements_select_the_vertices_that_they_reference() {
+    let with = square_with;
+    for (text, expected) in [
+        (with("f 1 2 3\n"), &[0, 1, 2][..]),
+        (with("f 4 3 2 1\n"), &[0, 1, 2, 3]),
+        (with("v 2 2 2\nv 3 3 3\nf 1 2 3 4 5\n"), &[0, 1, 2, 3, 4]),
+        (with("f 1/1 2/ 3//\n"), &[0, 1, 2]),
+        (with("vt 0 0\nvn 0 0 1\nf 1/1/1 2//1 +4/1\n"), &[0, 1, 3]),
+        // Negative references count from their line, others may point ahead.
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 9 9 9\n".into(), &[0, 1, 2]),
+        ("v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3//-1 -2//-1 -1//-1\n".into(), &[1, 2, 3]),
+        ("f 1 2 3\no later\nv 0 0 0\nv 1 0 0\nv 0 1 0\n".into(), &[0, 1, 2]),
+        // Points and lines.
+        (with("p 2\n"), &[1]),
+        (with("p 2 -1\nl 1 2/1\n"), &[0, 1, 3]),
+        (with("l 1 2 3\n"), &[0, 1, 2]),
+        ("v 1 2 3".into(), &[0]),
+        // Continued lines. Comments and names that end in a backslash do not continue.
+        ("v 0 \\\n0 0\nv 1 0 0\r\nv 1 1 0\nf 1 \\ \r\n 2 \\\n\\\n3\n".into(), &[0, 1, 2]),
+        (with("f 1 2 3 \\"), &[0, 1, 2]),
+        ("# C:\\meshes\\\nv 0 0 0\no C:\\\nv 1 0 0\nusemtl a\\\nv 2 0 0\nmtllib b\\\nf 1 2 3\n".into(), &[0, 1, 2]),
+        ("#v 9 9 9\n# f 1\nv 0 0 0 # here\nv 1 0 0 #\nl 1 2 #3\n".into(), &[0, 1]),
+        // Materials, and lines without effect on a hull.
+        (with("mtllib nowhere.mtl\nusemtl gold\nf 1 2 3\nusemtl\nf 1 3 4\n"), &[0, 1, 2, 3]),
+        (with("vt x\nvn\nvn nan nan nan\nvt 0 0\nf 1/9/-9 2/-77 3\nsomething else\n"), &[0, 1, 2]),
+    ] {
+        assert_eq!(vertices(&text), expected, "{text:?}");
+    }
+    assert_eq!(vertices(b"# caf\xE9 \xFF\no stra\xDFe\nv 0 0 0\nv 1 0 0\n# \xE9\nl 1 2\n"), [0, 1]);
 }
 
 #[test]
@@ -75,36 +99,11 @@ fn positions_are_parsed_to_the_nearest_float() {
 }
 
 #[test]
-fn reference_forms() {
-    assert_eq!(vertices(square_with("f 1/1 2/ 3//\n")), [0, 1, 2]);
-    assert_eq!(vertices(square_with("vt 0 0\nvn 0 0 1\nf 1/1/1 2//1 +4/1\n")), [0, 1, 3]);
-}
-
-#[test]
-fn negative_references_count_from_their_line() {
-    assert_eq!(vertices("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 9 9 9\n"), [0, 1, 2]);
-    assert_eq!(vertices("v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3//-1 -2//-1 -1//-1\n"), [1, 2, 3]);
-}
-
-#[test]
-fn references_may_point_ahead() {
-    assert_eq!(vertices("f 1 2 3\no later\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"), [0, 1, 2]);
-}
-
-#[test]
-fn points_and_lines_reference_too() {
-    assert_eq!(vertices(square_with("p 2\n")), [1]);
-    assert_eq!(vertices(square_with("p 2 -1\nl 1 2/1\n")), [0, 1, 3]);
-    assert_eq!(vertices(square_with("l 1 2 3\n")), [0, 1, 2]);
-}
-
-#[test]
 fn a_bare_cloud_takes_every_vertex() {
     let imported = import(SQUARE, WHOLE);
     assert_eq!(imported.point_sets[0].source_vertices, [0, 1, 2, 3]);
     assert_eq!(imported.unreferenced_count, 4);
     assert!(imported.notes.iter().any(|note| note.contains("point cloud")), "{:?}", imported.notes);
-    assert_eq!(vertices("v 1 2 3"), [0]);
 }
 
 #[test]
@@ -141,49 +140,10 @@ fn every_line_ending_and_blank() {
 }
 
 #[test]
-fn continued_lines_are_joined() {
-    assert_eq!(vertices("v 0 \\\n0 0\nv 1 0 0\r\nv 1 1 0\nf 1 \\ \r\n 2 \\\n\\\n3\n"), [0, 1, 2]);
-    assert_eq!(vertices(square_with("f 1 2 3 \\")), [0, 1, 2]);
-    // A fault in a continued line is reported at its first line. Later lines keep their numbers.
-    assert_eq!(fault("v 0 \\\n0 x\n").0, Some(1));
-    assert_eq!(fault("v 0 \\\n0 0\nv 1 x 0\n").0, Some(3));
-}
-
-#[test]
-fn comments_and_names_that_end_in_a_backslash_do_not_continue() {
-    assert_eq!(
-        vertices("# C:\\meshes\\\nv 0 0 0\no C:\\\nv 1 0 0\nusemtl a\\\nv 2 0 0\nmtllib b\\\nf 1 2 3\n"),
-        [0, 1, 2]
-    );
-}
-
-#[test]
-fn comments() {
-    assert_eq!(vertices("#v 9 9 9\n# f 1\nv 0 0 0 # here\nv 1 0 0 #\nl 1 2 #3\n"), [0, 1]);
-    assert_eq!(vertices(b"# caf\xE9 \xFF\no stra\xDFe\nv 0 0 0\nv 1 0 0\n# \xE9\nl 1 2\n"), [0, 1]);
-}
-
-#[test]
-fn materials_are_not_needed() {
-    assert_eq!(vertices(square_with("mtllib nowhere.mtl\nusemtl gold\nf 1 2 3\nusemtl\nf 1 3 4\n")), [0, 1, 2, 3]);
-}
-
-#[test]
-fn lines_without_effect_on_a_hull_are_not_checked() {
-    assert_eq!(
-        vertices(square_with("vt x\nvn\nvn nan nan nan\nvt 0 0\nf 1/9/-9 2/-77 3\nsomething else\n")),
-        [0, 1, 2]
-    );
-}
-
-#[test]
 fn colours_and_weights() {
     let imported = import("v 1 2 3 0.5 0.5 0.5\nv 1 2 3\nv 1 2 3 r g b\nv 1 2 3 1.0\nf 1 2 3 4\n", WHOLE);
     assert_eq!(imported.point_sets[0].positions, [[1.0, 2.0, 3.0]; 4]);
     assert!(!imported.warnings.iter().any(|text| text.contains("weight")), "{:?}", imported.warnings);
-    assert_eq!(fault("v 1 2 3 1 1\n"), (Some(1), Fault::CoordinateCount { found: 5 }));
-    assert_eq!(fault("v 1 2 3 1 1 1 1\n"), (Some(1), Fault::CoordinateCount { found: 7 }));
-    assert!(matches!(fault("v 1 2 3 x\n"), (Some(1), Fault::BadNumber { .. })));
 }
 
 /// Points were divided by their weights without a message: a cube of 2 units became one of 20.
@@ -217,31 +177,68 @@ fn utf_16_with_a_byte_order_mark_is_decoded() {
 }
 
 #[test]
-fn messages_agree_in_number() {
-    let message = |text: &str| import_obj("a.obj", "a", text.as_bytes(), WHOLE).unwrap_err().to_string();
-    assert!(message("v 0 0 0\nf 2\n").contains("(the file has 1 vertex)"));
-    assert!(message("f 2\nv 0 0 0\nv 0 0 0\nf 3\n").contains("(the file has 2 vertices)"));
-    assert!(message("f -1\nv 0 0 0\n").contains("(0 vertices above this line)"));
-    assert!(message("v 0 0 0\nf -2\n").contains("(1 vertex above this line)"));
-}
-
-#[test]
-fn bad_numbers_are_reported() {
-    let text = |text: &str| text.to_owned();
-    assert_eq!(fault("v 0 0 0\nv 1 nan 0\n"), (Some(2), Fault::NotANumber { text: text("nan") }));
-    assert_eq!(fault("\n\nv 1 0 -Inf\n"), (Some(3), Fault::Infinite { text: text("-Inf") }));
-    assert_eq!(fault("v 1e39 0 0\n"), (Some(1), Fault::Overflow { text: text("1e39") }));
-    assert_eq!(fault("v 0 0 0\r\nv 0 zero 0\r\n"), (Some(2), Fault::BadNumber { text: text("zero") }));
+fn faults_have_their_line() {
+    use Fault::*;
+    let (with, text) = (square_with, |text: &str| text.to_owned());
+    let bad = |word: &str| (with(&format!("f 1 2 {word}\n")), Some(5), BadReference { text: text(word) });
+    for (file, line, expected) in [
+        ("v 1 2 3 1 1\n".into(), Some(1), CoordinateCount { found: 5 }),
+        ("v 1 2 3 1 1 1 1\n".into(), Some(1), CoordinateCount { found: 7 }),
+        ("v 1 2 3 x\n".into(), Some(1), BadNumber { text: text("x") }),
+        ("v 0 0 0\nv 1 nan 0\n".into(), Some(2), NotANumber { text: text("nan") }),
+        ("\n\nv 1 0 -Inf\n".into(), Some(3), Infinite { text: text("-Inf") }),
+        ("v 1e39 0 0\n".into(), Some(1), Overflow { text: text("1e39") }),
+        ("v 0 0 0\r\nv 0 zero 0\r\n".into(), Some(2), BadNumber { text: text("zero") }),
+        // In continued lines, their first line. Later lines keep their numbers.
+        ("v 0 \\\n0 x\n".into(), Some(1), BadNumber { text: text("x") }),
+        ("v 0 \\\n0 0\nv 1 x 0\n".into(), Some(3), BadNumber { text: text("x") }),
+        // Truncated files.
+        ("v 0 0 0\nv 1 0".into(), Some(2), TooFewCoordinates { found: 2 }),
+        ("v\n".into(), Some(1), TooFewCoordinates { found: 0 }),
+        (with("f"), Some(5), NoReferences { keyword: text("f") }),
+        (with("p #1"), Some(5), NoReferences { keyword: text("p") }),
+        // References.
+        (with("f 0 1 2\n"), Some(5), ZeroIndex { text: text("0") }),
+        (with("\nf 1 2 5\nf 1 2 3\n"), Some(6), IndexTooLarge { text: text("5"), count: 4 }),
+        ("f 1 2 3\nv 0 0 0\n".into(), Some(1), IndexTooLarge { text: text("2"), count: 1 }),
+        (with("p 99999999999\n"), Some(5), IndexTooLarge { text: text("99999999999"), count: 4 }),
+        (with("f -1 -2 -5\n"), Some(5), IndexBeforeFirst { text: text("-5"), declared: 4 }),
+        (
+            with("p -9223372036854775808\n"),
+            Some(5),
+            IndexBeforeFirst { text: text("-9223372036854775808"), declared: 4 },
+        ),
+        bad("x"),
+        bad("1.0"),
+        bad("/1"),
+        bad("1/x"),
+        bad("1/1/1/1"),
+        bad("99999999999999999999"),
+        bad("//"),
+        // Files that are not OBJ.
+        (text(""), None, Empty),
+        (" \r\n\t\n".into(), None, Empty),
+        ("\u{FEFF}".into(), None, Empty),
+        ("# nothing\no nothing\n".into(), None, NoVertices),
+        ("f 1 2 3\n".into(), None, NoVertices),
+    ] {
+        assert_eq!(fault(&file), (line, expected), "{file:?}");
+    }
     assert!(fault("v 1,5 0 0\n").1.to_string().contains("comma"));
-    assert_eq!(fault(b"v 0 \xE9 0\n"), (Some(1), Fault::BadNumber { text: text("\u{FFFD}") }));
-}
-
-#[test]
-fn truncated_files_are_reported() {
-    assert_eq!(fault("v 0 0 0\nv 1 0"), (Some(2), Fault::TooFewCoordinates { found: 2 }));
-    assert_eq!(fault("v\n"), (Some(1), Fault::TooFewCoordinates { found: 0 }));
-    assert_eq!(fault(square_with("f")), (Some(5), Fault::NoReferences { keyword: "f".to_owned() }));
-    assert!(matches!(fault(square_with("p #1")), (Some(5), Fault::NoReferences { .. })));
+    assert_eq!(fault(b"v 0 \xE9 0\n"), (Some(1), BadNumber { text: text("\u{FFFD}") }));
+    assert!(fault(b"\x89PNG\r\n\x1A\n\0\0\0").1.to_string().starts_with("the file is an image; expected OBJ"));
+    // Long words are truncated.
+    let message = fault(format!("v 0 0 {}\n", "x".repeat(5000))).1.to_string();
+    assert!(message.len() < 200, "{message}");
+    let message = |text: &str| import_obj("a.obj", "a", text.as_bytes(), WHOLE).unwrap_err().to_string();
+    for (text, expected) in [
+        ("v 0 0 0\nf 2\n", "(the file has 1 vertex)"),
+        ("f 2\nv 0 0 0\nv 0 0 0\nf 3\n", "(the file has 2 vertices)"),
+        ("f -1\nv 0 0 0\n", "(0 vertices above this line)"),
+        ("v 0 0 0\nf -2\n", "(1 vertex above this line)"),
+    ] {
+        assert!(message(text).contains(expected), "{text:?}");
+    }
 }
 
 #[test]
@@ -249,42 +246,6 @@ fn faces_of_two_vertices_are_elements_with_a_note() {
     let imported = import(square_with("f 1 2\n"), WHOLE);
     assert_eq!(imported.point_sets[0].source_vertices, [0, 1]);
     assert!(imported.notes.iter().any(|note| note.contains("fewer than 3")), "{:?}", imported.notes);
-}
-
-#[test]
-fn bad_references_are_reported() {
-    let text = |text: &str| text.to_owned();
-    assert_eq!(fault(square_with("f 0 1 2\n")), (Some(5), Fault::ZeroIndex { text: text("0") }));
-    assert_eq!(
-        fault(square_with("\nf 1 2 5\nf 1 2 3\n")),
-        (Some(6), Fault::IndexTooLarge { text: text("5"), count: 4 })
-    );
-    assert_eq!(fault("f 1 2 3\nv 0 0 0\n"), (Some(1), Fault::IndexTooLarge { text: text("2"), count: 1 }));
-    assert!(matches!(fault(square_with("p 99999999999\n")), (Some(5), Fault::IndexTooLarge { .. })));
-    assert_eq!(
-        fault(square_with("f -1 -2 -5\n")),
-        (Some(5), Fault::IndexBeforeFirst { text: text("-5"), declared: 4 })
-    );
-    assert!(matches!(fault(square_with("p -9223372036854775808\n")).1, Fault::IndexBeforeFirst { .. }));
-    for word in ["x", "1.0", "/1", "1/x", "1/1/1/1", "99999999999999999999", "//"] {
-        assert_eq!(fault(square_with(&format!("f 1 2 {word}\n"))), (Some(5), Fault::BadReference { text: text(word) }));
-    }
-}
-
-#[test]
-fn files_that_are_not_obj() {
-    assert_eq!(fault(""), (None, Fault::Empty));
-    assert_eq!(fault(" \r\n\t\n"), (None, Fault::Empty));
-    assert_eq!(fault("\u{FEFF}"), (None, Fault::Empty));
-    assert_eq!(fault("# nothing\no nothing\n"), (None, Fault::NoVertices));
-    assert!(fault(b"\x89PNG\r\n\x1A\n\0\0\0").1.to_string().starts_with("the file is an image; expected OBJ"));
-    assert_eq!(fault("f 1 2 3\n"), (None, Fault::NoVertices));
-}
-
-#[test]
-fn long_words_are_truncated_in_messages() {
-    let message = fault(format!("v 0 0 {}\n", "x".repeat(5000))).1.to_string();
-    assert!(message.len() < 200, "{message}");
 }
 
 const TWO: &str =
@@ -331,108 +292,4 @@ fn groups_are_not_objects() {
 fn free_form_surfaces_are_noted() {
     let imported = import(square_with("p 1\ncstype bezier\nsurf 0 1 0 1 1 2 3 4\n"), WHOLE);
     assert!(imported.notes.iter().any(|note| note.contains("line 7: free-form")), "{:?}", imported.notes);
-}
-
-#[test]
-fn damaged_files_import_or_fail_with_an_error_of_their_line() {
-    const SEED: u64 = 11;
-    const PIECES: [&str; 24] = [
-        "v ",
-        "f ",
-        "l ",
-        "p ",
-        "o ",
-        "\n",
-        "\r",
-        "\\\n",
-        "-",
-        "/",
-        "//",
-        " ",
-        "\t",
-        "#",
-        ".",
-        "e9",
-        "0",
-        "1",
-        "-1",
-        "nan",
-        "2147483648",
-        "\u{A0}",
-        "\u{FEFF}",
-        "\0",
-    ];
-    let texts = [TWO, "v 1 2 3 2\r\nv 4 5 6 0.1 0.2 0.3\r\nvt 0 0\r\nf 1/1 2/1 \\\r\n -1//\r\np 1 -2\r\n"];
-    let mut random = SplitMix64::new(SEED);
-    let mut imported_count = 0;
-    for round in 0..4000 {
-        let mut bytes = texts[round % texts.len()].as_bytes().to_vec();
-        for _ in 0..=random.below(3) {
-            if bytes.is_empty() {
-                break;
-            }
-            let at = random.below(bytes.len());
-            match random.below(4) {
-                0 => bytes[at] = random.next_u64() as u8,
-                1 => drop(bytes.remove(at)),
-                2 => bytes.truncate(at.max(1)),
-                _ => {
-                    let piece = PIECES[random.below(PIECES.len())];
-                    drop(bytes.splice(at..at, piece.bytes()));
-                }
-            }
-        }
-        match import_obj("shape.obj", "shape", &bytes, OBJECTS_ALL) {
-            Ok(imported) => {
-                imported_count += 1;
-                assert!(imported.point_sets.iter().all(|set| !set.positions.is_empty()));
-                assert!(imported.point_count() >= imported.vertex_count);
-                assert!(imported.point_sets.iter().flat_map(|set| &set.positions).flatten().all(|x| x.is_finite()));
-            }
-            Err(error) => assert!(
-                !matches!(error.fault, Fault::Rejected(_)),
-                "seed {SEED}, round {round}: {error}: {}",
-                bytes.escape_ascii()
-            ),
-        }
-    }
-    assert!((1000..3500).contains(&imported_count), "{imported_count} of 4000 imported");
-}
-
-fn feature(features: &str, key: &str) -> usize {
-    let value = features.split_whitespace().find_map(|word| word.strip_prefix(key)?.strip_prefix('='));
-    value.map_or(0, |number| number.parse().unwrap())
-}
-
-#[test]
-#[expect(clippy::disallowed_methods, reason = "the variable names the meshes to test with")]
-fn meshes_of_the_manifest() {
-    let Some(folder) = std::env::var_os("HULLMAP_MESHES").map(std::path::PathBuf::from) else {
-        println!("skipped: HULLMAP_MESHES is not set");
-        return;
-    };
-    let manifest = std::fs::read_to_string(folder.join("MANIFEST.tsv")).unwrap();
-    let mut rows = manifest.lines().map(|line| line.split('\t').collect::<Vec<_>>());
-    let header = rows.next().unwrap();
-    let column = |name: &str| header.iter().position(|&title| title == name).unwrap();
-    let (file, vertex_count, features) = (column("file"), column("vertices"), column("features"));
-    let mut tried = 0;
-    for row in rows {
-        let bytes = std::fs::read(folder.join(row[file])).unwrap();
-        let import = |options| import_obj(row[file], "mesh", &bytes, options).unwrap();
-        let (whole, all) = (import(WHOLE), import(WHOLE_ALL));
-        let expected: usize = row[vertex_count].parse().unwrap();
-        let unreferenced = feature(row[features], "unref");
-        assert_eq!(whole.vertex_count, expected, "{}", row[file]);
-        assert_eq!(whole.unreferenced_count, unreferenced, "{}", row[file]);
-        assert_eq!(whole.point_count(), expected - unreferenced, "{}", row[file]);
-        assert_eq!(all.point_count(), expected, "{}", row[file]);
-        // The manifest compares numbers as written. Rounded to f32, more of them are equal.
-        assert!(all.duplicate_count >= feature(row[features], "dup"), "{}", row[file]);
-        for set in &import(OBJECTS).point_sets {
-            assert_eq!(set.positions.len(), set.source_vertices.len());
-        }
-        tried += 1;
-    }
-    assert!(tried > 0, "the manifest lists no meshes");
 }

@@ -13,51 +13,26 @@ use hullmap::{
 /// Any shape.
 pub type Any<'s> = dyn Shape + Sync + 's;
 
-pub fn contact(a: &Any<'_>, b: &Any<'_>, b_in_a: Pose, settings: &Settings, cache: &mut Cache) -> Contact {
-    hullmap::contact(a, b, b_in_a, settings, cache)
+macro_rules! queries {
+    ($($name:ident($($argument:ident: $kind:ty),+) -> $answer:ty;)+) => {
+        $(pub fn $name($($argument: $kind),+) -> $answer {
+            hullmap::$name($($argument),+)
+        })+
+    };
 }
 
-pub fn distance(a: &Any<'_>, b: &Any<'_>, b_in_a: Pose, settings: &Settings, cache: &mut Cache) -> Distance {
-    hullmap::distance(a, b, b_in_a, settings, cache)
-}
-
-pub fn intersects(a: &Any<'_>, b: &Any<'_>, b_in_a: Pose, cache: &mut Cache) -> Intersection {
-    hullmap::intersects(a, b, b_in_a, cache)
-}
-
-pub fn cast(
-    a: &Any<'_>,
-    b: &Any<'_>,
-    b_in_a: Pose,
-    motion: Motion,
-    settings: &CastSettings,
-    cache: &mut Cache,
-) -> Impact {
-    hullmap::cast(a, b, b_in_a, motion, settings, cache)
-}
-
-pub fn cast_motion(
-    a: &Any<'_>,
-    motion_a: &RigidMotion,
-    b: &Any<'_>,
-    motion_b: &RigidMotion,
-    settings: &MotionSettings,
-    cache: &mut Cache,
-) -> TimeOfImpact {
-    hullmap::cast_motion(a, motion_a, b, motion_b, settings, cache)
-}
-
-pub fn signed_distance(
-    shape: &Any<'_>,
-    point: DVec3,
-    settings: &Settings,
-    cache: &mut Cache,
-) -> Result<SignedDistance, VectorError> {
-    hullmap::signed_distance(shape, point, settings, cache)
-}
-
-pub fn ray(shape: &Any<'_>, ray: &Ray, settings: &CastSettings) -> RayHit {
-    hullmap::ray(shape, ray, settings)
+queries! {
+    contact(a: &Any<'_>, b: &Any<'_>, b_in_a: Pose, settings: &Settings, cache: &mut Cache) -> Contact;
+    distance(a: &Any<'_>, b: &Any<'_>, b_in_a: Pose, settings: &Settings, cache: &mut Cache) -> Distance;
+    intersects(a: &Any<'_>, b: &Any<'_>, b_in_a: Pose, cache: &mut Cache) -> Intersection;
+    cast(a: &Any<'_>, b: &Any<'_>, b_in_a: Pose, by: Motion, settings: &CastSettings, cache: &mut Cache) -> Impact;
+    cast_motion(
+        a: &Any<'_>, by_a: &RigidMotion, b: &Any<'_>, by_b: &RigidMotion, settings: &MotionSettings, cache: &mut Cache
+    ) -> TimeOfImpact;
+    signed_distance(
+        a: &Any<'_>, point: DVec3, settings: &Settings, cache: &mut Cache
+    ) -> Result<SignedDistance, VectorError>;
+    ray(a: &Any<'_>, ray: &Ray, settings: &CastSettings) -> RayHit;
 }
 
 pub fn update(

@@ -1,12 +1,13 @@
 //! Queries between whole packs, compared with their slow twin: a query of each pair of hulls.
 
-use crate::{any_shape, pairings};
+use crate::any_shape::{self, Any};
+use crate::pairings;
 use glam::{DQuat, DVec3};
 use hullmap::compound::CompoundManifolds;
 use hullmap::shapes::{Cuboid, HalfSpace, Sphere};
 use hullmap::{
-    Cache, CastSettings, Compound, Contact, Impact, Manifold, ManifoldSettings, Motion, Overlap, Pack, Pose,
-    Prediction, Ray, RayHit, Settings, Shape, Status, SupportMap,
+    Cache, CastSettings, Compound, Contact, Distance, Geometry, Impact, Manifold, ManifoldSettings, Motion, Overlap,
+    Pack, Pose, Prediction, Ray, RayHit, Settings, Shape, Status, SupportMap,
 };
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{self, point_set};
@@ -64,109 +65,128 @@ fn hulls_of<'p>(a: &'p Pack, b: &'p Pack, [of_a, of_b]: [u32; 2]) -> [hullmap::H
     [a.hull(of_a as usize).unwrap(), b.hull(of_b as usize).unwrap()]
 }
 
-#[test]
-fn intersection_agrees_with_all_pairs() {
-    let (mut hits, mut tried, mut queried, mut all) = (0, 0, 0, 0);
-    for (name, a, b) in pairings() {
-        let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
-        let mut cache = Cache::with_pairs(8);
-        for (number, pose) in poses(1_500, 2.0, SEED).into_iter().enumerate() {
-            let each: Vec<_> =
-                pairs(&a, &b).map(|(_, a, b)| hullmap::intersects(&a, &b, pose, &mut Cache::new())).collect();
-            let slow = each.iter().any(|found| found.status == Overlap::Overlapping);
-            let fast = hullmap::intersects(&whole_a, &whole_b, pose, &mut cache);
-            assert_eq!(fast.status == Overlap::Overlapping, slow, "{name}: pose {number}, seed {SEED:#x}");
-            assert_eq!(fast.is_hit(), slow, "{name}: pose {number}");
-            let fresh = hullmap::intersects(&whole_a, &whole_b, pose, &mut Cache::with_pairs(0));
-            assert_eq!(fresh.status, fast.status, "{name}: pose {number}");
-            if slow {
-                let [hull_a, hull_b] = hulls_of(&a, &b, fast.parts);
-                assert!(hullmap::intersects(&hull_a, &hull_b, pose, &mut Cache::new()).is_hit());
-            }
-            hits += usize::from(slow);
-            tried += 1;
-            queried += fresh.support_calls;
-            all += each.iter().map(|found| found.support_calls).sum::<u32>();
-        }
+/// Two parts as shapes, and their indices.
+type Pair<'s> = ([u32; 2], &'s Any<'s>, &'s Any<'s>);
+
+/// Counts over poses, and support queries of intersections and distances: of the whole, and of all
+/// pairs of parts.
+#[derive(Debug, Default)]
+struct Tally {
+    tried: usize,
+    hits: usize,
+    queried: [u32; 2],
+    all: [u32; 2],
+}
+
+/// Compares the answers for A and B with the answers for all pairs of their parts.
+fn judge<A: Geometry + ?Sized, B: Geometry + ?Sized>(
+    at: &str,
+    (a, b): (&A, &B),
+    pairs: &[Pair<'_>],
+    pose: Pose,
+    slack: f64,
+    cache: &mut Cache,
+    tally: &mut Tally,
+) {
+    let settings = Settings::default();
+    let place = |parts: [u32; 2]| pairs.iter().position(|(pair, ..)| *pair == parts).expect("the parts exist");
+    let each: Vec<_> = pairs.iter().map(|(_, a, b)| any_shape::intersects(*a, *b, pose, &mut Cache::new())).collect();
+    let hit = each.iter().any(|found| found.status == Overlap::Overlapping);
+    let found = hullmap::intersects(a, b, pose, cache);
+    assert_eq!((found.status == Overlap::Overlapping, found.is_hit()), (hit, hit), "{at}: {found:?}");
+    assert!(!hit || each[place(found.parts)].is_hit(), "{at}: {found:?}");
+    let fresh = hullmap::intersects(a, b, pose, &mut Cache::with_pairs(0));
+    assert_eq!(fresh.status, found.status, "{at}");
+    tally.queried[0] += fresh.support_calls;
+    tally.all[0] += each.iter().map(|found| found.support_calls).sum::<u32>();
+
+    let each: Vec<_> =
+        pairs.iter().map(|(_, a, b)| any_shape::distance(*a, *b, pose, &settings, &mut Cache::new())).collect();
+    let least = |of: fn(&Distance) -> f64| each.iter().map(of).fold(f64::INFINITY, f64::min);
+    let (lower, upper) = (least(|found| found.lower), least(|found| found.upper));
+    let found = hullmap::distance(a, b, pose, &settings, cache);
+    // Both intervals contain the distance.
+    assert!(found.lower <= upper + slack && lower <= found.upper + slack, "{at}: {found:?}");
+    assert!(found.upper - found.lower <= 2e-5 * found.upper + 1e-12, "{at}: {found:?}");
+    assert_eq!(found.status == Status::Overlapping, upper == 0.0, "{at}: {found:?}");
+    if upper > 0.0 {
+        let between = (found.point_b - found.point_a).length();
+        assert!((between - found.distance).abs() <= 1e-12 * (1.0 + found.distance), "{at}: {found:?}");
+        tally.queried[1] += found.support_calls;
+        tally.all[1] += each.iter().map(|found| found.support_calls).sum::<u32>();
     }
-    println!("{hits} of {tried} overlap; {queried} of {all} support queries");
-    assert!((tried * 3 / 10..=tried * 7 / 10).contains(&hits), "{hits} of {tried} overlap");
-    assert!(queried * 4 < all, "{queried} of {all}");
+
+    let each: Vec<([u32; 2], Contact)> = pairs
+        .iter()
+        .map(|(pair, a, b)| (*pair, any_shape::contact(*a, *b, pose, &settings, &mut Cache::new())))
+        .filter(|(_, found)| found.hit)
+        .collect();
+    let mut visited: Vec<([u32; 2], Contact)> = Vec::new();
+    let sum = hullmap::contacts(a, b, pose, &settings, cache, |found| visited.push((found.parts, *found)));
+    visited.sort_by_key(|(pair, _)| *pair);
+    assert_eq!(sum.hits as usize, each.len(), "{at}");
+    assert!(visited.iter().map(|(pair, _)| pair).eq(each.iter().map(|(pair, _)| pair)), "{at}");
+    let meet = |found: &Contact, [lower, upper]: [f64; 2]| {
+        found.depth_lower <= upper + slack && lower <= found.depth_upper + slack
+    };
+    for ((_, found), (_, slow)) in visited.iter().zip(&each) {
+        assert!(meet(found, [slow.depth_lower, slow.depth_upper]), "{at}: {found:?}");
+    }
+    let deepest = hullmap::contact(a, b, pose, &settings, cache);
+    assert_eq!(deepest.hit, !each.is_empty(), "{at}: {deepest:?}");
+    if deepest.hit {
+        let greatest = |of: fn(&Contact) -> f64| each.iter().map(|(_, found)| of(found)).fold(0.0, f64::max);
+        let interval = [greatest(|found| found.depth_lower), greatest(|found| found.depth_upper)];
+        assert!(meet(&deepest, interval) && each.iter().any(|(pair, _)| *pair == deepest.parts), "{at}: {deepest:?}");
+        tally.hits += 1;
+    }
+    tally.tried += 1;
 }
 
 #[test]
-fn distance_is_the_minimum_over_all_pairs() {
-    let settings = Settings::default();
-    let (mut separated, mut tried, mut queried, mut all) = (0, 0, 0, 0);
+fn packs_agree_with_all_pairs_of_parts() {
+    // Near and far: the first saves intersections, the second distances.
+    let mut tallies = [Tally::default(), Tally::default()];
     for (name, a, b) in pairings() {
-        let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
-        let mut cache = Cache::new();
-        for (number, pose) in poses(700, 2.7, SEED + 1).into_iter().enumerate() {
-            let each = pairs(&a, &b).map(|(_, a, b)| hullmap::distance(&a, &b, pose, &settings, &mut Cache::new()));
-            let (mut lower, mut upper, mut slow) = (f64::INFINITY, f64::INFINITY, 0);
-            each.for_each(|found| {
-                (lower, upper, slow) = (lower.min(found.lower), upper.min(found.upper), slow + found.support_calls);
-            });
-            let found = hullmap::distance(&whole_a, &whole_b, pose, &settings, &mut cache);
-            // Both intervals contain the distance.
-            assert!(found.lower <= upper && lower <= found.upper, "{name}: pose {number}, seed {SEED:#x}: {found:?}");
-            assert!(found.upper - found.lower <= 2e-5 * found.upper + 1e-12, "{name}: pose {number}: {found:?}");
-            assert_eq!(found.status == Status::Overlapping, upper == 0.0, "{name}: pose {number}");
-            if upper > 0.0 {
-                let between = found.point_b - found.point_a;
-                assert!((between.length() - found.distance).abs() <= 1e-12 * (1.0 + found.distance));
-                separated += 1;
-                queried += found.support_calls;
-                all += slow;
+        let hulls = [&a, &b].map(|pack| pack.hulls().collect::<Vec<_>>());
+        let pairs = (0..).zip(&hulls[0]).flat_map(|(i, a)| (0..).zip(&hulls[1]).map(move |(j, b)| ([i, j], a, b)));
+        let pairs: Vec<Pair<'_>> = pairs.map(|(pair, a, b)| (pair, a as &Any<'_>, b as &Any<'_>)).collect();
+        let (whole, mut cache) = ((&Compound::new(&a), &Compound::new(&b)), Cache::with_pairs(8));
+        for (reach, tally) in [2.0, 2.7].into_iter().zip(&mut tallies) {
+            for (number, pose) in poses(500, reach, SEED).into_iter().enumerate() {
+                let at = format!("{name}: pose {number} within {reach}, seed {SEED:#x}");
+                judge(&at, whole, &pairs, pose, 0.0, &mut cache, tally);
             }
-            tried += 1;
         }
     }
-    println!("{separated} of {tried} separated; {queried} of {all} support queries");
-    assert!((tried * 3 / 10..=tried * 8 / 10).contains(&separated), "{separated} of {tried} separated");
-    assert!(queried * 10 < all, "{queried} of {all}");
+    println!("{tallies:?}");
+    for (query, (Tally { tried, hits, queried, all }, share)) in tallies.iter().zip([4, 10]).enumerate() {
+        assert!((tried * (3 - query) / 10..=tried * 7 / 10).contains(hits), "{hits} of {tried} hit");
+        assert!(queried[query] * share < all[query], "{queried:?} of {all:?}");
+    }
 }
 
+/// A compound against a single shape, on either side.
 #[test]
-fn contacts_agree_with_all_pairs_and_contact_is_the_deepest() {
-    let settings = Settings::default();
-    let (mut touching, mut tried, mut met) = (0, 0, 0);
-    for (name, a, b) in pairings() {
-        let (whole_a, whole_b) = (Compound::new(&a), Compound::new(&b));
-        let mut cache = Cache::new();
-        for (number, pose) in poses(500, 2.0, SEED + 2).into_iter().enumerate() {
-            let slow: Vec<([usize; 2], Contact)> = pairs(&a, &b)
-                .map(|(pair, a, b)| (pair, hullmap::contact(&a, &b, pose, &settings, &mut Cache::new())))
-                .filter(|(_, found)| found.hit)
-                .collect();
-            let mut fast: Vec<([usize; 2], Contact)> = Vec::new();
-            let sum = hullmap::contacts(&whole_a, &whole_b, pose, &settings, &mut cache, |found| {
-                fast.push((found.parts.map(|part| part as usize), *found));
-            });
-            fast.sort_by_key(|(pair, _)| *pair);
-            assert_eq!(sum.hits as usize, fast.len());
-            assert!(fast.iter().map(|(pair, _)| pair).eq(slow.iter().map(|(pair, _)| pair)), "{name}: pose {number}");
-            for ((_, fast), (_, slow)) in fast.iter().zip(&slow) {
-                assert!(
-                    fast.depth_lower <= slow.depth_upper && slow.depth_lower <= fast.depth_upper,
-                    "{name}: {number}"
-                );
-            }
-            let deepest = hullmap::contact(&whole_a, &whole_b, pose, &settings, &mut cache);
-            let greatest = |of: fn(&Contact) -> f64| slow.iter().map(|(_, found)| of(found)).fold(0.0, f64::max);
-            assert_eq!(deepest.hit, !slow.is_empty(), "{name}: pose {number}");
-            if deepest.hit {
-                let (lower, upper) = (greatest(|c| c.depth_lower), greatest(|c| c.depth_upper));
-                assert!(deepest.depth_lower <= upper && lower <= deepest.depth_upper, "{name}: {number}");
-                assert!(slow.iter().any(|(pair, _)| pair.map(|part| part as u32) == deepest.parts));
-            }
-            touching += usize::from(!slow.is_empty());
-            met += slow.len();
-            tried += 1;
+fn single_shapes_agree_with_all_parts() {
+    let (many, packs) = (pack(16, 1.2, 3), pairings::packs());
+    let (whole, hulls) = (Compound::new(&many), many.hulls().collect::<Vec<_>>());
+    let mut tally = Tally::default();
+    for (name, shape) in pairings::all(&packs) {
+        let shape: &Any<'_> = &*shape;
+        let pairs: Vec<Pair<'_>> = (0..).zip(&hulls).map(|(i, hull)| ([i, 0], hull as &Any<'_>, shape)).collect();
+        let turned: Vec<Pair<'_>> = pairs.iter().map(|([i, _], hull, shape)| ([0, *i], *shape, *hull)).collect();
+        let (mut cache, mut other) = (Cache::new(), Cache::new());
+        for (number, pose) in poses(120, 2.0, SEED + 5).into_iter().enumerate() {
+            let at = format!("{name}: pose {number}, seed {SEED:#x}");
+            judge(&at, (&whole, shape), &pairs, pose, 1e-12, &mut cache, &mut tally);
+            judge(&at, (shape, &whole), &turned, pose.inverse(), 1e-12, &mut other, &mut tally);
         }
     }
-    println!("{touching} of {tried} in contact, {met} pairs");
-    assert!((tried * 3 / 10..=tried * 7 / 10).contains(&touching), "{touching} of {tried}");
+    println!("{tally:?}");
+    let Tally { tried, hits, queried, all } = tally;
+    assert!((tried * 3 / 10..=tried * 7 / 10).contains(&hits), "{hits} of {tried} hit");
+    assert!(queried[1] * 3 < all[1], "{queried:?} of {all:?}");
 }
 
 /// The cache of other compounds with more hulls never leads to a hull that does not exist.
@@ -184,73 +204,6 @@ fn a_stale_cache_never_changes_an_answer() {
         assert_eq!(found.status, slow.status);
         cache.clear();
     }
-}
-
-/// A compound against a single shape, on either side: the minimum or maximum over all parts.
-#[test]
-fn single_shapes_agree_with_all_parts() {
-    let settings = Settings::default();
-    let (many, packs) = (pack(16, 1.2, 3), pairings::packs());
-    let whole = Compound::new(&many);
-    let (mut hits, mut tried, mut queried, mut all) = (0, 0, 0, 0);
-    for (name, shape) in pairings::all(&packs) {
-        let (mut cache, mut turned) = (Cache::new(), Cache::new());
-        for (number, pose) in poses(120, 2.0, SEED + 5).into_iter().enumerate() {
-            let at = format!("{name}: pose {number}, seed {SEED:#x}");
-            let inverse = pose.inverse();
-            let parts = || many.hulls().enumerate();
-            let (mut lower, mut upper) = (f64::INFINITY, f64::INFINITY);
-            let (mut depth_lower, mut depth_upper, mut contacts) = (0.0_f64, 0.0_f64, Vec::new());
-            let (mut overlaps, mut slow) = (false, 0);
-            for (index, part) in parts() {
-                let near = any_shape::distance(&part, &*shape, pose, &settings, &mut Cache::new());
-                let deep = any_shape::contact(&part, &*shape, pose, &settings, &mut Cache::new());
-                (lower, upper, slow) = (lower.min(near.lower), upper.min(near.upper), slow + near.support_calls);
-                (depth_lower, depth_upper) = (depth_lower.max(deep.depth_lower), depth_upper.max(deep.depth_upper));
-                overlaps |=
-                    any_shape::intersects(&part, &*shape, pose, &mut Cache::new()).status == Overlap::Overlapping;
-                if deep.hit {
-                    contacts.push(index as u32);
-                }
-            }
-            let both = [
-                hullmap::intersects(&whole, &*shape, pose, &mut cache),
-                hullmap::intersects(&*shape, &whole, inverse, &mut turned),
-            ];
-            assert!(both.iter().all(|y| (y.status == Overlap::Overlapping) == overlaps), "{at}: {both:?}");
-            let both = [
-                hullmap::distance(&whole, &*shape, pose, &settings, &mut cache),
-                hullmap::distance(&*shape, &whole, inverse, &settings, &mut turned),
-            ];
-            for (d, side) in both.iter().zip([1, 0]) {
-                let error = 1e-12;
-                assert!(d.lower <= upper + error && lower <= d.upper + error, "{at}: {d:?}");
-                assert_eq!((d.parts[side], d.status == Status::Overlapping), (0, upper == 0.0), "{at}: {d:?}");
-            }
-            (queried, all) = (queried + both[0].support_calls, all + slow);
-            let both = [
-                hullmap::contact(&whole, &*shape, pose, &settings, &mut cache),
-                hullmap::contact(&*shape, &whole, inverse, &settings, &mut turned),
-            ];
-            for c in both {
-                assert_eq!(c.hit, !contacts.is_empty(), "{at}: {c:?}");
-                if c.hit {
-                    let error = 1e-12;
-                    assert!(c.depth_lower <= depth_upper + error && depth_lower <= c.depth_upper + error, "{at}");
-                    assert!(contacts.contains(&c.parts[0].max(c.parts[1])), "{at}");
-                }
-            }
-            let mut visited = Vec::new();
-            hullmap::contacts(&whole, &*shape, pose, &settings, &mut cache, |found| visited.push(found.parts[0]));
-            visited.sort_unstable();
-            assert_eq!(visited, contacts, "{at}");
-            hits += usize::from(!contacts.is_empty());
-            tried += 1;
-        }
-    }
-    println!("{hits} of {tried} in contact; {queried} of {all} support queries");
-    assert!((tried * 3 / 10..=tried * 7 / 10).contains(&hits), "{hits} of {tried}");
-    assert!(queried * 3 < all, "{queried} of {all}");
 }
 
 /// The signed distance of a point: the minimum over all parts, and brute force from their vertices

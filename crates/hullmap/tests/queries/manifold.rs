@@ -304,29 +304,6 @@ fn gaps_within_the_prediction_keep_the_points() {
     }
 }
 
-/// The caller's data stays with its point, whatever place the point moves to. A new point has no
-/// data.
-#[test]
-fn user_data_stays_with_its_point() {
-    let (floor, cube) = (Cuboid::new(DVec3::new(5.0, 5.0, 1.0)).unwrap(), Cuboid::new(DVec3::ONE).unwrap());
-    let (mut manifold, mut cache) = (Manifold::new(), Cache::new());
-    let settings = ManifoldSettings::default();
-    update(&mut manifold, &floor, &cube, pose_at(0.0, 0.0, 1.99, DQuat::IDENTITY), &settings, &mut cache);
-    for (i, p) in manifold.points_mut().iter_mut().enumerate() {
-        assert_eq!(p.user_data, 0);
-        p.user_data = 10 + i as u64;
-    }
-    let before: Vec<_> = manifold.points().iter().map(|p| (p.id, p.user_data)).collect();
-    for step in 1..20 {
-        let turn = DQuat::from_rotation_z(0.002 * f64::from(step));
-        update(&mut manifold, &floor, &cube, pose_at(0.01 * f64::from(step), 0.0, 1.99, turn), &settings, &mut cache);
-        assert_eq!(manifold.points().len(), 4);
-        for p in manifold.points() {
-            assert!(before.contains(&(p.id, p.user_data)), "{} has {}", p.id, p.user_data);
-        }
-    }
-}
-
 #[test]
 fn nothing_changes_with_the_scale() {
     let points = Family::Rock.points(300, 1);

@@ -169,24 +169,6 @@ fn balls_against_the_formulas() {
     }
 }
 
-#[test]
-fn capsules_against_the_formula() {
-    println!("seed {SEED:#x}");
-    let mut rng = SplitMix64::new(SEED + 1);
-    let mut hits = 0;
-    for i in 0..900 {
-        let length = |rng: &mut SplitMix64| 10_f64.powf(rng.between(-1.0, 0.5));
-        let (h, r, k, s) = (length(&mut rng), length(&mut rng), length(&mut rng), length(&mut rng));
-        let (a, b) = (Capsule::new(h, r).unwrap(), Capsule::new(k, s).unwrap());
-        let turn = if i % 5 == 0 { DQuat::IDENTITY } else { rng.rotation() };
-        let far = rng.between(0.0, 1.0) * (h.min(k) + 2.0 * (r + s));
-        let pose = Pose::new(rng.unit_vector() * far, turn).unwrap();
-        let gap = distance_by_features(&truth::ends(h), &truth::ends(k).map(|p| pose.transform_point(p))) - r - s;
-        hits += usize::from(check(&a, &b, pose, gap, &format!("capsules {h} {r}, {k} {s}, {i}, {pose:?}")));
-    }
-    assert!((270..630).contains(&hits), "not representative: {hits} of 900 pairs overlap");
-}
-
 /// Packs of hulls of each rank.
 pub fn packs() -> Vec<(&'static str, Pack)> {
     let cube: Vec<[f32; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|bit| bit as f32 - 0.5)).collect();
@@ -235,62 +217,6 @@ fn solve(a: &(dyn Shape + Sync), b: &(dyn Shape + Sync), pose: Pose) -> Contact 
     contact(a, b, pose, &Settings::default(), &mut Cache::new())
 }
 
-#[test]
-fn concentric() {
-    let (ball, small) = (Sphere::new(2.0).unwrap(), Sphere::new(0.5).unwrap());
-    let plate = Cuboid::new(DVec3::new(3.0, 2.0, 1.0)).unwrap();
-    let capsule = Capsule::new(1.0, 0.5).unwrap();
-    let cylinder = Cylinder::new(1.0, 3.0).unwrap();
-    for (a, b, depth) in [
-        (&ball as &(dyn Shape + Sync), &small as &(dyn Shape + Sync), 2.5),
-        (&ball, &plate, 3.0),
-        (&plate, &small, 1.5),
-        (&capsule, &small, 1.0),
-        (&capsule, &capsule, 1.0),
-        (&cylinder, &small, 1.5),
-        (&cylinder, &plate, 2.0),
-    ] {
-        for c in [
-            solve(a, b, Pose::IDENTITY),
-            contact(&Faceless(a), &Faceless(b), Pose::IDENTITY, &Settings::default(), &mut Cache::new()),
-        ] {
-            assert!(c.hit && (c.depth - depth).abs() <= 2e-5 * depth, "{depth}: {c:?}");
-            assert!(c.depth_lower <= depth && depth <= c.depth_upper, "{depth}: {c:?}");
-        }
-    }
-}
-
-#[test]
-fn parallel_faces_and_edges_and_vertices() {
-    let cube = Cuboid::new(DVec3::ONE).unwrap();
-    let cylinder = Cylinder::new(1.0, 0.5).unwrap();
-    let cone = Cone::new(1.0, 0.5).unwrap();
-    let lying =
-        |shape: &(dyn Shape + Sync), turn: DQuat, z: f64| solve(&cube, shape, Pose::new(DVec3::Z * z, turn).unwrap());
-    let quarter = std::f64::consts::FRAC_PI_2;
-    for (c, depth) in [
-        // Face on face.
-        (lying(&cube, DQuat::IDENTITY, 1.9), 0.1),
-        (lying(&cylinder, DQuat::IDENTITY, 1.9), 0.1),
-        (lying(&cone, DQuat::IDENTITY, 1.9), 0.1),
-        // Edge, side line and rim on face.
-        (lying(&cube, DQuat::from_rotation_x(0.5 * quarter), 1.0 + 2_f64.sqrt() - 0.1), 0.1),
-        (lying(&cylinder, DQuat::from_rotation_x(quarter), 1.4), 0.1),
-        (lying(&cylinder, DQuat::from_rotation_x(0.5 * quarter), 1.0 + 1.5 / 2_f64.sqrt() - 0.1), 0.1),
-        // Tip on face.
-        (lying(&cone, DQuat::from_rotation_x(2.0 * quarter), 1.9), 0.1),
-    ] {
-        assert!(c.hit && (c.depth - depth).abs() <= 1e-5 * depth && c.normal.distance(DVec3::Z) < 1e-3, "{c:?}");
-        assert!(c.depth_lower <= depth + 1e-14 && depth - 1e-14 <= c.depth_upper, "{c:?}");
-    }
-    // Crossed edges: both cubes stand on an edge.
-    let up = DQuat::from_rotation_x(0.5 * quarter);
-    let across = DQuat::from_rotation_z(quarter) * up;
-    let pose = Pose::new(up.inverse() * (DVec3::Z * (2.0 * 2_f64.sqrt() - 0.1)), up.inverse() * across).unwrap();
-    let c = solve(&cube, &cube, pose);
-    assert!((c.depth - 0.1).abs() < 1e-6 && c.normal.distance(up.inverse() * DVec3::Z) < 1e-6, "{c:?}");
-}
-
 /// A pebble on a body ten thousand times its size, far from the origin, in units at both ends of
 /// the range of f32.
 #[test]
@@ -333,36 +259,6 @@ fn extreme_sizes_and_distances() {
     let top = rock.support(glam::Vec3::Z).point.as_dvec3();
     let c = solve(&rock, &ball, Pose::from_translation(top + DVec3::Z * 0.5).unwrap());
     assert!(c.hit && c.depth_lower <= 0.5 + 1e-6 && c.depth_upper >= 0.5 - 1e-6 || c.depth > 0.5, "{c:?}");
-}
-
-#[test]
-fn scaled_hull_agrees_with_the_hull_of_scaled_points() {
-    let points = Family::Rock.points(200, 3);
-    let scale = DVec3::new(-2.0, 0.5, 4.0);
-    // Powers of two are exact in f32.
-    let scaled: Vec<[f32; 3]> = points.iter().map(|p| [-2.0 * p[0], 0.5 * p[1], 4.0 * p[2]]).collect();
-    let (plain, baked) = (tree_pack(&points), tree_pack(&scaled));
-    let (by_wrapper, by_bake) = (Scaled::new(plain.hull(0).unwrap(), scale).unwrap(), baked.hull(0).unwrap());
-    let other = Cuboid::new(DVec3::splat(0.7)).unwrap();
-    let mut rng = SplitMix64::new(SEED + 3);
-    let mut hits = 0;
-    for i in 0..300 {
-        let pose = Pose::new(rng.unit_vector() * rng.between(0.5, 3.5), rng.rotation()).unwrap();
-        let (c, d) = (solve(&by_wrapper, &other, pose), solve(&by_bake, &other, pose));
-        assert_eq!(c.hit, d.hit, "{i}: {c:?} {d:?}");
-        assert!((c.depth - d.depth).abs() <= 2e-5 * d.depth + 1e-12, "{i}: {c:?} {d:?}");
-        hits += usize::from(c.hit);
-        for _ in 0..10 {
-            let dir = rng.unit_vector();
-            let (p, q) = (SupportMap::support_point(&by_wrapper, dir), SupportMap::support_point(&by_bake, dir));
-            assert!((p.point.dot(dir) - q.point.dot(dir)).abs() < 1e-12);
-        }
-        let (inner, outer) = (by_wrapper.inner_radius(), by_wrapper.outer_radius());
-        let dir = rng.unit_vector();
-        let reach = by_bake.support(dir.as_vec3()).point.as_dvec3().dot(dir) - by_wrapper.interior_point().dot(dir);
-        assert!(inner <= reach + 1e-12 && reach <= outer + 1e-12);
-    }
-    assert!((90..210).contains(&hits), "not representative: {hits} of 300 overlap");
 }
 
 /// The inner ball of each shape is inside the shape, and the outer ball contains it.

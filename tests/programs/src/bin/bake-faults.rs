@@ -5,25 +5,18 @@ use std::{path::PathBuf, process::ExitCode, time::Instant};
 use clap::Parser;
 use hullmap_outside::command::binary;
 
-/// Injects every fault at every system call of a bake, kills bakes at random moments, and cuts the
-/// power after each operation.
+/// Injects every fault at every system call of a bake, and cuts the power after each operation.
 ///
 /// Counts and failures go to standard output. Exits with 1 if a check fails. Linux only; temporary
 /// folders take a few MB.
 #[derive(Parser)]
-#[command(after_help = "Example:\n  cargo run --release -p hullmap-programs --bin bake-faults -- --kills 10000")]
+#[command(after_help = "Example:\n  cargo run --release -p hullmap-programs --bin bake-faults -- --only kill,power")]
 struct Arguments {
-    /// Number of bakes to kill
-    #[arg(long, default_value_t = 1000)]
-    kills: usize,
-    /// Seed of the random moments
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
     /// The command to test [default: built from this workspace]
     #[arg(long)]
     bake: Option<PathBuf>,
     /// Faults to try [default: all]: kill, torn, short, errno=4, errno=5, errno=13, full=28,
-    /// full=30, power, kills
+    /// full=30, power
     #[arg(long, value_name = "WORD", value_delimiter = ',')]
     only: Vec<String>,
     /// Number of threads [default: all processors]
@@ -35,7 +28,7 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let Arguments { kills, seed, bake, only, threads, report } = Arguments::parse();
+    let Arguments { bake, only, threads, report } = Arguments::parse();
     let threads = threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let bake = bake.unwrap_or_else(|| binary().to_owned());
     let bake = bake.canonicalize().unwrap_or(bake);
@@ -60,17 +53,12 @@ fn main() -> ExitCode {
                     wrong.extend(tally.wrong);
                 }
                 if is_tried("power") {
-                    let project = Project::new(&bake, 0);
+                    let project = Project::new(&bake);
                     let tally = power::cut(&project, &power::record(&project, &injector), 1);
                     println!("{:7.1} s  {tally}", start.elapsed().as_secs_f64());
                     wrong.extend(tally.wrong);
                 }
             }
-        }
-        if is_tried("kills") {
-            let tally = hullmap_tests::faults::kills::kill(&bake, kills, seed, threads);
-            println!("{:7.1} s  seed {seed}: {tally}", start.elapsed().as_secs_f64());
-            wrong.extend(tally.wrong);
         }
     }
     wrong.iter().take(report).for_each(|wrong| println!("\n{wrong}"));

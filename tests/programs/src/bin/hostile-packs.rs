@@ -1,27 +1,15 @@
 //! Tries any number of hostile files: packs, triangle meshes and height fields.
 
-use std::{
-    path::Path,
-    process::ExitCode,
-    sync::{
-        Mutex,
-        atomic::{AtomicUsize, Ordering},
-    },
-    time::Instant,
-};
+use std::{process::ExitCode, time::Instant};
 
 use clap::{Parser, ValueEnum};
 use hullmap::Pack;
-use hullmap_tests::hostile::{
-    inquiry::{Extent, Inquiry},
-    kinds::AnyInquiry,
-    large::{self, Large},
-    samples::{self, Sample},
-    series::{Series, Subject},
-    sheets,
-    trial::{self, Tally},
-    unchecked::{self, Findings},
-};
+use hullmap_tests::hostile::inquiry::Extent;
+use hullmap_tests::hostile::large::{self, Large};
+use hullmap_tests::hostile::samples::{self, Sample};
+use hullmap_tests::hostile::series::Series;
+use hullmap_tests::hostile::trial::Tally;
+use hullmap_tests::hostile::{sheets, tries};
 
 /// Changes packs, triangle meshes and height fields in many ways. Runs 1000 support queries and 20
 /// contacts on each pack that opens, and queries at 8 places on each mesh or field.
@@ -111,7 +99,11 @@ fn main() -> ExitCode {
             Kind::Lengths => total("lengths", Series::Lengths, &small, &arguments),
             Kind::Words => total("words", Series::Words, &small, &arguments),
             Kind::Drawn => total("several words", Series::Drawn, &small, &arguments),
-            Kind::Unchecked => unchecked(&packs, &arguments),
+            Kind::Unchecked => {
+                let with = (arguments.seed, arguments.threads);
+                let (sum, queried) = tries::unchecked(&packs, with, chosen(&arguments));
+                println!("opened without checks: {sum}; {queried} sets of queries");
+            }
             Kind::Flips => flips(&small, &arguments),
         }
     }
@@ -146,43 +138,29 @@ fn large(largest_mb: usize) {
     assert!(ratio <= large::MAX_RATIO, "malicious packs are too slow for their size");
 }
 
+/// The members of a series that are tried.
+fn chosen(arguments: &Arguments) -> impl Fn(Option<usize>) -> Vec<usize> {
+    |count| (0..count.unwrap_or(arguments.drawn)).step_by(arguments.every).collect()
+}
+
 /// One series over all small files.
 fn total(name: &str, series: Series, small: &[Sample], arguments: &Arguments) {
     let mut sum = Tally::default();
     for sample in small {
-        let subject = Subject::new(sample, arguments.seed);
-        let count = subject.count(series).unwrap_or(arguments.drawn);
-        sum += try_series(&subject, series, count, arguments);
+        sum += tries::checked(sample, series, (arguments.seed, arguments.threads, Extent::FULL), chosen(arguments));
         eprintln!("{name}, {}: {sum}", sample.name);
     }
     println!("{name}: {sum}");
-}
-
-fn try_series(subject: &Subject, series: Series, count: usize, arguments: &Arguments) -> Tally {
-    let inquiry = AnyInquiry::new(&subject.sample.file, Extent::FULL);
-    let indices: Vec<usize> = (0..count).step_by(arguments.every).collect();
-    trial::run(&format!("{series:?}, {}", subject.sample.name), &indices, arguments.threads, |index, file| {
-        subject.change(series, index, file);
-        let has_opened = inquiry.run(file).is_ok();
-        assert!(!has_opened || !series.is_always_rejected(), "a file that must be rejected opened");
-        has_opened
-    })
 }
 
 fn flips(small: &[Sample], arguments: &Arguments) {
     let (mut plain, mut sealed, mut files, mut passed) = (Tally::default(), Tally::default(), 0, 0);
     let start = Instant::now();
     while passed < arguments.flips {
-        let drawn;
-        let sample = match small.get(files as usize) {
-            Some(sample) => sample,
-            None => {
-                drawn = match arguments.files {
-                    Files::Sheets => sheets::drawn(arguments.seed, files),
-                    Files::All | Files::Packs => samples::drawn(arguments.seed, files),
-                };
-                &drawn
-            }
+        let sample = match (small.get(files as usize), arguments.files) {
+            (Some(sample), _) => sample.clone(),
+            (None, Files::Sheets) => sheets::drawn(arguments.seed, files),
+            (None, Files::All | Files::Packs) => samples::drawn(arguments.seed, files),
         };
         let count = (8 * sample.file.len()).min(arguments.flips - passed);
         passed += count;
@@ -190,37 +168,11 @@ fn flips(small: &[Sample], arguments: &Arguments) {
         if files <= arguments.first {
             continue;
         }
-        let subject = Subject::new(sample, arguments.seed);
-        plain += try_series(&subject, Series::Bits, count, arguments);
-        sealed += try_series(&subject, Series::SealedBits, count, arguments);
+        let with = (arguments.seed, arguments.threads, Extent::FULL);
+        plain += tries::checked(&sample, Series::Bits, with, |_| chosen(arguments)(Some(count)));
+        sealed += tries::checked(&sample, Series::SealedBits, with, |_| chosen(arguments)(Some(count)));
         eprintln!("{:6.0} s  file {files}, {}: {sealed}", start.elapsed().as_secs_f64(), sample.name);
     }
     println!("flipped bits of {} files, old checksum: {plain}", files - arguments.first.min(files));
     println!("flipped bits, correct checksum: {sealed}");
-}
-
-fn unchecked(small: &[Sample], arguments: &Arguments) {
-    let folder = tempfile::tempdir().expect("the system has a folder for temporary files");
-    let (findings, mut sum) = (Mutex::new(Findings::default()), Tally::default());
-    let files = AtomicUsize::new(0);
-    for sample in small {
-        let subject = Subject::new(sample, arguments.seed);
-        for series in [Series::SealedBits, Series::Words, Series::Drawn] {
-            let count = subject.count(series).unwrap_or(arguments.drawn);
-            let indices: Vec<usize> = (0..count).step_by(arguments.every).collect();
-            let pack = Pack::from_bytes(&sample.file).expect("a sample opens");
-            let inquiry = Inquiry::new(&pack, Extent::BRIEF).unjudged();
-            let name = format!("unchecked, {series:?}, {}", sample.name);
-            sum += trial::run(&name, &indices, arguments.threads, |index, file| {
-                subject.change(series, index, file);
-                let path: &Path = &folder.path().join(files.fetch_add(1, Ordering::Relaxed).to_string());
-                unchecked::query(path, file, &inquiry, &findings)
-            });
-        }
-        eprintln!("unchecked, {}: {sum}", sample.name);
-    }
-    let Findings { queried, panics } = findings.into_inner().expect("no thread panics while it holds the lock");
-    println!("opened without checks: {sum}; {queried} sets of queries");
-    println!("panics of unchecked packs: {}", panics.values().sum::<usize>());
-    panics.iter().for_each(|(location, count)| println!("  {count:8} {location}"));
 }

@@ -6,28 +6,40 @@
 
 use std::ops::Range;
 
-/// Sections in the order of the root's entries (4): name, bytes per element, alignment.
-pub const SECTIONS: [(&str, usize, usize); 19] = [
-    ("blocks", 128, 64),
-    ("source_path", 1, 1),
-    ("options", 1, 1),
-    ("names", 1, 1),
-    ("spans", 44, 4),
-    ("hulls", 288, 8),
-    ("masses", 80, 8),
-    ("nodes", 32, 4),
-    ("vertices", 12, 4),
-    ("source_vertices", 4, 4),
-    ("face_starts", 4, 4),
-    ("face_vertices", 4, 4),
-    ("quads", 24, 4),
-    ("neighbour_starts", 4, 4),
-    ("neighbours", 4, 4),
-    ("neighbour_faces", 4, 4),
-    ("outer_vertices", 12, 4),
-    ("slots", 4, 4),
-    ("edges", 2, 2),
-];
+/// Sections in the order of the root's entries (4): name, bytes per element, alignment. Also their
+/// indices by their names.
+macro_rules! sections {
+    ($count:literal; $($index:literal $constant:ident $name:literal $size:literal $align:literal,)+) => {
+        pub const SECTIONS: [(&str, usize, usize); $count] = [$(($name, $size, $align)),+];
+
+        /// Indices of the sections in [`SECTIONS`].
+        pub mod section {
+            $(pub const $constant: usize = $index;)+
+        }
+    };
+}
+
+sections! { 19;
+    0 BLOCKS "blocks" 128 64,
+    1 SOURCE_PATH "source_path" 1 1,
+    2 OPTIONS "options" 1 1,
+    3 NAMES "names" 1 1,
+    4 SPANS "spans" 44 4,
+    5 HULLS "hulls" 288 8,
+    6 MASSES "masses" 80 8,
+    7 NODES "nodes" 32 4,
+    8 VERTICES "vertices" 12 4,
+    9 SOURCE_VERTICES "source_vertices" 4 4,
+    10 FACE_STARTS "face_starts" 4 4,
+    11 FACE_VERTICES "face_vertices" 4 4,
+    12 QUADS "quads" 24 4,
+    13 NEIGHBOUR_STARTS "neighbour_starts" 4 4,
+    14 NEIGHBOURS "neighbours" 4 4,
+    15 NEIGHBOUR_FACES "neighbour_faces" 4 4,
+    16 OUTER_VERTICES "outer_vertices" 12 4,
+    17 SLOTS "slots" 4 4,
+    18 EDGES "edges" 2 2,
+}
 
 const HEADER: usize = 64;
 pub const ROOT: usize = 152;
@@ -35,27 +47,123 @@ pub const ROOT: usize = 152;
 /// Further sections, as in [`SECTIONS`] (15). Their entries are in front of the root.
 const FURTHER: [(&str, usize, usize); 2] = [("voids", 12, 4), ("primitives", 96, 8)];
 
-/// Indices of the sections in [`SECTIONS`].
-pub mod section {
-    pub const BLOCKS: usize = 0;
-    pub const SOURCE_PATH: usize = 1;
-    pub const OPTIONS: usize = 2;
-    pub const NAMES: usize = 3;
-    pub const SPANS: usize = 4;
-    pub const HULLS: usize = 5;
-    pub const MASSES: usize = 6;
-    pub const NODES: usize = 7;
-    pub const VERTICES: usize = 8;
-    pub const SOURCE_VERTICES: usize = 9;
-    pub const FACE_STARTS: usize = 10;
-    pub const FACE_VERTICES: usize = 11;
-    pub const QUADS: usize = 12;
-    pub const NEIGHBOUR_STARTS: usize = 13;
-    pub const NEIGHBOURS: usize = 14;
-    pub const NEIGHBOUR_FACES: usize = 15;
-    pub const OUTER_VERTICES: usize = 16;
-    pub const SLOTS: usize = 17;
-    pub const EDGES: usize = 18;
+/// Something that is stored in a number of bytes.
+pub trait Stored: Sized {
+    const SIZE: usize;
+
+    fn at(bytes: &[u8], at: usize) -> Self;
+
+    /// Elements without gaps.
+    fn all(bytes: &[u8]) -> Vec<Self> {
+        bytes.chunks(Self::SIZE).map(|bytes| Self::at(bytes, 0)).collect()
+    }
+}
+
+macro_rules! numbers {
+    ($($number:ty)+) => {
+        $(impl Stored for $number {
+            const SIZE: usize = size_of::<$number>();
+
+            fn at(bytes: &[u8], at: usize) -> Self {
+                Self::from_le_bytes(bytes[at..at + Self::SIZE].try_into().unwrap())
+            }
+        })+
+    };
+}
+
+numbers! { i16 i32 u32 u64 f32 f64 }
+
+impl<T: Stored, const N: usize> Stored for [T; N] {
+    const SIZE: usize = N * T::SIZE;
+
+    fn at(bytes: &[u8], at: usize) -> Self {
+        std::array::from_fn(|i| T::at(bytes, at + i * T::SIZE))
+    }
+}
+
+/// Records: their bytes, and fields at their offsets.
+macro_rules! records {
+    ($($section:literal $name:ident $size:literal { $($at:literal $field:ident: $kind:ty,)+ })+) => {
+        $(#[doc = $section]
+        #[derive(Debug, PartialEq)]
+        pub struct $name {
+            $(pub $field: $kind,)+
+        }
+
+        impl Stored for $name {
+            const SIZE: usize = $size;
+
+            fn at(bytes: &[u8], at: usize) -> Self {
+                Self { $($field: <$kind>::at(bytes, at + $at),)+ }
+            }
+        })+
+    };
+}
+
+records! {
+    "6.2" Record 288 {
+        0 diameter: f64,
+        8 centroid: [f64; 3],
+        32 interior_point: [f64; 3],
+        56 inner_radius: f64,
+        64 outer_radius: f64,
+        72 volume: f64,
+        80 surface_area: f64,
+        88 second_moments: [f64; 6],
+        136 containment_error: f64,
+        144 outer_error: f64,
+        152 uncovered: f64,
+        160 protrusion: f64,
+        168 protrusion_at: [f64; 3],
+        192 origin: [f64; 3],
+        216 bounds_min: [f32; 3],
+        228 bounds_max: [f32; 3],
+        240 rank: u32,
+        244 index_kind: u32,
+        248 resolution: u32,
+        252 leaf_blocks: u32,
+        256 max_neighbours: u32,
+        260 max_nodes: u32,
+        264 max_dots: u32,
+        268 source_points: u32,
+        272 leaf: u32,
+        276 part: u32,
+        280 part_count: u32,
+        284 solid: u32,
+    }
+    "6.3" Block 128 {
+        0 position: [[f32; 8]; 3],
+        96 vertex: [u32; 8],
+    }
+    "6.4" BoxNode 32 {
+        0 bounds_min: [f32; 3],
+        12 target: u32,
+        16 bounds_max: [f32; 3],
+        28 hull_count: u32,
+    }
+    "6.5" Quad 24 {
+        0 face: u32,
+        4 corners: [u32; 4],
+        20 fall: f32,
+    }
+    "6.6" Mass 80 {
+        0 volume: f64,
+        8 centroid: [f64; 3],
+        32 second_moments: [f64; 6],
+    }
+    "15" Voids 12 {
+        0 hull: u32,
+        4 share: f32,
+        8 error: f32,
+    }
+    "15" Primitive 96 {
+        0 hull: u32,
+        4 kind: u32,
+        8 center: [f64; 3],
+        32 rotation: [f64; 4],
+        64 sizes: [f64; 3],
+        88 protrusion: f64,
+    }
 }
 
 /// A whole file.
@@ -65,14 +173,6 @@ pub struct File<'a> {
     pub sections: [Range<usize>; 19],
     /// File offsets of the bytes of further sections; none in version 7.
     pub further: Vec<Range<usize>>,
-}
-
-/// 15.
-#[derive(Debug, PartialEq)]
-pub struct Voids {
-    pub hull: u32,
-    pub share: f32,
-    pub error: f32,
 }
 
 /// The runs of one hull.
@@ -94,77 +194,6 @@ pub struct Hull<'a> {
     pub masses: Vec<Mass>,
 }
 
-/// 15.
-#[derive(Debug, PartialEq)]
-pub struct Primitive {
-    pub hull: u32,
-    pub kind: u32,
-    pub center: [f64; 3],
-    pub rotation: [f64; 4],
-    pub sizes: [f64; 3],
-    pub protrusion: f64,
-}
-
-/// 6.6.
-#[derive(Debug, PartialEq)]
-pub struct Mass {
-    pub volume: f64,
-    pub centroid: [f64; 3],
-    pub second_moments: [f64; 6],
-}
-
-/// 6.5.
-pub struct Quad {
-    pub face: u32,
-    pub corners: [u32; 4],
-    pub fall: f32,
-}
-
-/// 6.2.
-pub struct Record {
-    pub diameter: f64,
-    pub centroid: [f64; 3],
-    pub interior_point: [f64; 3],
-    pub inner_radius: f64,
-    pub outer_radius: f64,
-    pub volume: f64,
-    pub surface_area: f64,
-    pub second_moments: [f64; 6],
-    pub containment_error: f64,
-    pub outer_error: f64,
-    pub uncovered: f64,
-    pub protrusion: f64,
-    pub protrusion_at: [f64; 3],
-    pub origin: [f64; 3],
-    pub bounds_min: [f32; 3],
-    pub bounds_max: [f32; 3],
-    pub rank: u32,
-    pub index_kind: u32,
-    pub resolution: u32,
-    pub leaf_blocks: u32,
-    pub max_neighbours: u32,
-    pub max_nodes: u32,
-    pub max_dots: u32,
-    pub source_points: u32,
-    pub leaf: u32,
-    pub part: u32,
-    pub part_count: u32,
-    pub solid: u32,
-}
-
-/// 6.4.
-pub struct BoxNode {
-    pub bounds: [[f32; 3]; 2],
-    pub target: usize,
-    pub hull_count: usize,
-}
-
-/// 6.3.
-pub struct Block {
-    pub position: [[f32; 8]; 3],
-    pub vertex: [u32; 8],
-}
-
 /// The blocks to which a direction leads.
 pub struct Leaf {
     pub blocks: Range<usize>,
@@ -175,40 +204,19 @@ pub struct Leaf {
     pub kinds: u8,
 }
 
-fn array<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
-    bytes[at..at + N].try_into().unwrap()
-}
-
-pub fn u32_at(bytes: &[u8], at: usize) -> u32 {
-    u32::from_le_bytes(array(bytes, at))
-}
-
-pub fn u64_at(bytes: &[u8], at: usize) -> u64 {
-    u64::from_le_bytes(array(bytes, at))
-}
-
-fn f32_at(bytes: &[u8], at: usize) -> f32 {
-    f32::from_le_bytes(array(bytes, at))
-}
-
-fn f64_at(bytes: &[u8], at: usize) -> f64 {
-    f64::from_le_bytes(array(bytes, at))
-}
-
 impl<'a> File<'a> {
     /// 3 and 4: header, except for the hashes, and positions of the sections.
     pub fn new(bytes: &'a [u8]) -> Self {
         assert_eq!(&bytes[..8], b"hullmap\n");
-        let version = u32_at(bytes, 8);
+        let version = u32::at(bytes, 8);
         assert!(version == 7 || version == 9, "format version {version}");
-        assert_eq!(u32_at(bytes, 12), 64, "header length");
-        assert_eq!(u64_at(bytes, 16), bytes.len() as u64 - 64, "payload length");
-        assert_eq!(u64_at(bytes, 48), 0, "reserved");
+        assert_eq!(u32::at(bytes, 12), 64, "header length");
+        assert_eq!(u64::at(bytes, 16), bytes.len() as u64 - 64, "payload length");
+        assert_eq!(u64::at(bytes, 48), 0, "reserved");
         let root = bytes.len() - ROOT;
         let range = |entry: usize, size: usize| {
-            let offset = i32::from_le_bytes(array(bytes, entry));
-            let start = entry.checked_add_signed(offset as isize).unwrap();
-            start..start + u32_at(bytes, entry + 4) as usize * size
+            let start = entry.checked_add_signed(i32::at(bytes, entry) as isize).unwrap();
+            start..start + u32::at(bytes, entry + 4) as usize * size
         };
         let sections = std::array::from_fn(|index| range(root + 8 * index, SECTIONS[index].1));
         let first = root - 8 * FURTHER.len();
@@ -219,23 +227,12 @@ impl<'a> File<'a> {
 
     /// The records of voids (15).
     pub fn voids(&self) -> Vec<Voids> {
-        let bytes = self.further.first().map_or(&[][..], |range| &self.bytes[range.clone()]);
-        let record = |b: &[u8]| Voids { hull: u32_at(b, 0), share: f32_at(b, 4), error: f32_at(b, 8) };
-        bytes.chunks(12).map(record).collect()
+        self.further.first().map_or(Vec::new(), |range| Stored::all(&self.bytes[range.clone()]))
     }
 
     /// The records of primitives (15).
     pub fn primitives(&self) -> Vec<Primitive> {
-        let bytes = self.further.get(1).map_or(&[][..], |range| &self.bytes[range.clone()]);
-        let record = |b: &[u8]| Primitive {
-            hull: u32_at(b, 0),
-            kind: u32_at(b, 4),
-            center: doubles(b, 8),
-            rotation: doubles(b, 32),
-            sizes: doubles(b, 64),
-            protrusion: f64_at(b, 88),
-        };
-        bytes.chunks(96).map(record).collect()
+        self.further.get(1).map_or(Vec::new(), |range| Stored::all(&self.bytes[range.clone()]))
     }
 
     pub fn section(&self, index: usize) -> &'a [u8] {
@@ -268,7 +265,7 @@ impl<'a> File<'a> {
 
     /// The eleven numbers of span `hull` (6.1).
     pub fn span(&self, hull: usize) -> [usize; 11] {
-        std::array::from_fn(|i| u32_at(self.section(section::SPANS), 44 * hull + 4 * i) as usize)
+        <[u32; 11]>::at(self.section(section::SPANS), 44 * hull).map(|number| number as usize)
     }
 
     fn run(&self, section: usize, start: usize, end: usize) -> &'a [u8] {
@@ -278,12 +275,7 @@ impl<'a> File<'a> {
 
     /// The BVH (6.4).
     pub fn nodes(&self) -> Vec<BoxNode> {
-        let node = |bytes: &[u8]| BoxNode {
-            bounds: [floats(bytes, 0), floats(bytes, 16)],
-            target: u32_at(bytes, 12) as usize,
-            hull_count: u32_at(bytes, 28) as usize,
-        };
-        self.section(section::NODES).chunks(32).map(node).collect()
+        Stored::all(self.section(section::NODES))
     }
 
     /// One hull, by its spans.
@@ -292,20 +284,20 @@ impl<'a> File<'a> {
         let run = |section: usize, field: usize| self.run(section, start[field], end[field]);
         Hull {
             name: run(section::NAMES, 0),
-            record: Record::new(self.run(section::HULLS, hull, hull + 1)),
-            vertices: run(section::VERTICES, 1).chunks(12).map(|v| floats(v, 0)).collect(),
-            source_vertices: words(run(section::SOURCE_VERTICES, 1)),
-            face_starts: words(run(section::FACE_STARTS, 2)),
-            face_vertices: words(run(section::FACE_VERTICES, 3)),
-            quads: run(section::QUADS, 9).chunks(24).map(Quad::new).collect(),
-            neighbour_starts: words(run(section::NEIGHBOUR_STARTS, 1)),
-            neighbours: words(run(section::NEIGHBOURS, 4)),
-            neighbour_faces: words(run(section::NEIGHBOUR_FACES, 4)),
-            outer_vertices: run(section::OUTER_VERTICES, 7).chunks(12).map(|v| floats(v, 0)).collect(),
-            slots: words(run(section::SLOTS, 5)),
-            edges: run(section::EDGES, 8).chunks(2).map(|edge| i16::from_le_bytes(array(edge, 0))).collect(),
-            blocks: run(section::BLOCKS, 6).chunks(128).map(Block::new).collect(),
-            masses: run(section::MASSES, 10).chunks(80).map(Mass::new).collect(),
+            record: Record::at(self.section(section::HULLS), Record::SIZE * hull),
+            vertices: Stored::all(run(section::VERTICES, 1)),
+            source_vertices: Stored::all(run(section::SOURCE_VERTICES, 1)),
+            face_starts: Stored::all(run(section::FACE_STARTS, 2)),
+            face_vertices: Stored::all(run(section::FACE_VERTICES, 3)),
+            quads: Stored::all(run(section::QUADS, 9)),
+            neighbour_starts: Stored::all(run(section::NEIGHBOUR_STARTS, 1)),
+            neighbours: Stored::all(run(section::NEIGHBOURS, 4)),
+            neighbour_faces: Stored::all(run(section::NEIGHBOUR_FACES, 4)),
+            outer_vertices: Stored::all(run(section::OUTER_VERTICES, 7)),
+            slots: Stored::all(run(section::SLOTS, 5)),
+            edges: Stored::all(run(section::EDGES, 8)),
+            blocks: Stored::all(run(section::BLOCKS, 6)),
+            masses: Stored::all(run(section::MASSES, 10)),
         }
     }
 }
@@ -314,76 +306,6 @@ impl<'a> File<'a> {
 fn parts<'a>(starts: &[u32], all: &'a [u32]) -> Vec<&'a [u32]> {
     let ends = starts.iter().skip(1).copied().chain([all.len() as u32]);
     starts.iter().zip(ends).map(|(start, end)| &all[*start as usize..end as usize]).collect()
-}
-
-fn words(bytes: &[u8]) -> Vec<u32> {
-    (0..bytes.len()).step_by(4).map(|at| u32_at(bytes, at)).collect()
-}
-
-fn floats<const N: usize>(bytes: &[u8], at: usize) -> [f32; N] {
-    std::array::from_fn(|i| f32_at(bytes, at + 4 * i))
-}
-
-fn doubles<const N: usize>(bytes: &[u8], at: usize) -> [f64; N] {
-    std::array::from_fn(|i| f64_at(bytes, at + 8 * i))
-}
-
-impl Record {
-    fn new(bytes: &[u8]) -> Self {
-        assert_eq!(bytes.len(), 288);
-        Self {
-            diameter: f64_at(bytes, 0),
-            centroid: doubles(bytes, 8),
-            interior_point: doubles(bytes, 32),
-            inner_radius: f64_at(bytes, 56),
-            outer_radius: f64_at(bytes, 64),
-            volume: f64_at(bytes, 72),
-            surface_area: f64_at(bytes, 80),
-            second_moments: doubles(bytes, 88),
-            containment_error: f64_at(bytes, 136),
-            outer_error: f64_at(bytes, 144),
-            uncovered: f64_at(bytes, 152),
-            protrusion: f64_at(bytes, 160),
-            protrusion_at: doubles(bytes, 168),
-            origin: doubles(bytes, 192),
-            bounds_min: floats(bytes, 216),
-            bounds_max: floats(bytes, 228),
-            rank: u32_at(bytes, 240),
-            index_kind: u32_at(bytes, 244),
-            resolution: u32_at(bytes, 248),
-            leaf_blocks: u32_at(bytes, 252),
-            max_neighbours: u32_at(bytes, 256),
-            max_nodes: u32_at(bytes, 260),
-            max_dots: u32_at(bytes, 264),
-            source_points: u32_at(bytes, 268),
-            leaf: u32_at(bytes, 272),
-            part: u32_at(bytes, 276),
-            part_count: u32_at(bytes, 280),
-            solid: u32_at(bytes, 284),
-        }
-    }
-}
-
-impl Mass {
-    fn new(bytes: &[u8]) -> Self {
-        Self { volume: f64_at(bytes, 0), centroid: doubles(bytes, 8), second_moments: doubles(bytes, 32) }
-    }
-}
-
-impl Quad {
-    fn new(bytes: &[u8]) -> Self {
-        let corners = std::array::from_fn(|i| u32_at(bytes, 4 + 4 * i));
-        Self { face: u32_at(bytes, 0), corners, fall: f32::from_le_bytes(array(bytes, 20)) }
-    }
-}
-
-impl Block {
-    fn new(bytes: &[u8]) -> Self {
-        Self {
-            position: std::array::from_fn(|i| floats(bytes, 32 * i)),
-            vertex: std::array::from_fn(|lane| u32_at(bytes, 96 + 4 * lane)),
-        }
-    }
 }
 
 /// 7.1: the direction, scaled to a largest coordinate of 1 if f32 cannot represent it well.

@@ -12,6 +12,9 @@ pub struct PointCloud {
     pub interior: DVec3,
     pub inner_radius: f64,
     pub outer_radius: f64,
+    pub support_error: f64,
+    /// Whether its dot products are rounded to f32.
+    pub is_single: bool,
 }
 
 impl PointCloud {
@@ -24,7 +27,7 @@ impl PointCloud {
     /// A point cloud with the given interior point.
     pub fn around(points: Vec<DVec3>, interior: DVec3) -> Self {
         let outer_radius = points.iter().map(|p| p.distance(interior)).fold(0.0, f64::max);
-        Self { points, interior, inner_radius: 0.0, outer_radius }
+        Self { points, interior, inner_radius: 0.0, outer_radius, support_error: 0.0, is_single: false }
     }
 
     /// A box with half edges `h`, as eight points.
@@ -73,12 +76,9 @@ impl PointCloud {
             interior: self.interior * scale,
             inner_radius: self.inner_radius * scale,
             outer_radius: self.outer_radius * scale,
+            support_error: self.support_error * scale,
+            ..*self
         }
-    }
-
-    /// The points moved within their own frame.
-    pub fn moved(&self, by: DVec3) -> Self {
-        Self { points: self.points.iter().map(|p| *p + by).collect(), interior: self.interior + by, ..self.clone() }
     }
 
     /// The points in A's frame.
@@ -89,13 +89,17 @@ impl PointCloud {
 
 impl SupportMap for PointCloud {
     fn support_point(&self, dir: DVec3) -> SupportPoint {
+        let height = |p: DVec3| if self.is_single { p.as_vec3().dot(dir.as_vec3()).into() } else { p.dot(dir) };
         let mut best = 0;
         for (i, p) in self.points.iter().enumerate() {
-            if p.dot(dir) > self.points[best].dot(dir) {
+            if height(*p) > height(self.points[best]) {
                 best = i;
             }
         }
         SupportPoint { point: self.points[best], feature: best as u32 }
+    }
+    fn support_error(&self) -> f64 {
+        self.support_error
     }
     fn interior_point(&self) -> DVec3 {
         self.interior
