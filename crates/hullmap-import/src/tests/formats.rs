@@ -146,10 +146,7 @@ fn nodes_are_transformed_in_f64_and_named() {
         {"mesh":0,"matrix":[1,0,0,0, 0,0,1,0, 0,-1,0,0, 5,6,7,1]},
         {"mesh":1,"name":"left"},
         {"mesh":1,"name":"unseen"}"#;
-    let cube = solids::polyhedron(
-        &solids::cube_vertices(),
-        &[[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]],
-    );
+    let cube = solids::extrusion(&solids::regular_polygon(4, 1.0), 0.0, 1.0);
     let bytes = gltf::parts(&[("prism", &mesh), ("cube", &cube)], nodes, "0,3").glb();
     let imported = import_bytes("a.glb", &bytes, OBJECTS).unwrap();
     assert_eq!(names(&imported), ["left", "prism", "left_2"]);

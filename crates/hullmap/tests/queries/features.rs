@@ -136,7 +136,8 @@ fn an_infinite_reach_finds_a_face() {
 #[test]
 fn a_cone_lies_on_a_face() {
     for n in [20, 200, 5_000] {
-        let pack = tree_pack(&solids::cone(n, 0.03, -0.05, 0.05).vertices);
+        let base = solids::regular_polygon(n, 0.03).into_iter().map(|[x, y]| [x as f32, y as f32, -0.05]);
+        let pack = tree_pack(&base.chain([[0.0, 0.0, 0.05]]).collect::<Vec<_>>());
         let hull = pack.hull(0).unwrap();
         let up = 0.03_f64.atan2(0.1);
         for i in 0..50 {
