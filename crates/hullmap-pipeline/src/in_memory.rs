@@ -10,7 +10,7 @@ use hullmap_import::{self as import, ImportError, Imported, Limits, MeshArrays, 
 
 use crate::baker::{BakedPack, bake_pack};
 use crate::options::removed::instead_of_option;
-use crate::options::table::{BuildOption, OPTIONS, Record};
+use crate::options::table::{BuildOption, OPTIONS, Record, Scope};
 use crate::options::{BuildOptions, OptionLayer};
 use crate::triangle_mesh::{BakedTriangles, adapted, bake_triangles};
 
@@ -209,7 +209,11 @@ fn resolve(options: &[(&str, &str)]) -> Result<BuildOptions, InMemoryError> {
 }
 
 fn resolve_of(kind: Kind, options: &[(&str, &str)]) -> Result<BuildOptions, InMemoryError> {
-    let is_accepted = |option: &&BuildOption| option.record != Record::Never && option.key != "keep_triangles";
+    let is_accepted = |option: &&BuildOption| {
+        option.record != Record::Never
+            && option.scope != Scope::Terrains
+            && !["keep_triangles", "terrain"].contains(&option.key)
+    };
     let accepted = || OPTIONS.iter().filter(is_accepted).map(|option| option.key);
     let mut layer = OptionLayer::default();
     for (key, value) in options {
@@ -242,7 +246,9 @@ mod tests {
     fn wrong_options_are_rejected() {
         let error = |options: &[(&str, &str)]| resolve(options).unwrap_err().to_string();
         assert!(error(&[("indx", "tree")]).starts_with("unknown option indx: the options are split, vertices, index"));
-        assert!(error(&[("pack_names", "full")]).starts_with("unknown option pack_names"));
+        for key in ["pack_names", "terrain", "spacing"] {
+            assert!(error(&[(key, "1")]).starts_with(&format!("unknown option {key}: ")), "{key}");
+        }
         assert_eq!(error(&[("keep_triangles", "true")]), format!("option keep_triangles: {NO_PACK}"));
         assert!(error(&[("index", "oak")]).starts_with("invalid value oak of option index: expected one of tree,"));
         assert!(error(&[("max_error", "1"), ("max_vertices", "8")]).contains("exclude each other"));

@@ -352,7 +352,7 @@ class Robot:
         with shown(progress, "clearance") as report:
             count = _product(lead)
             found = self._native.clearance(count, rows, of_links, settings, gradient, threads, report)
-        if gradient:
+        if gradient and rows is not None:
             # Robots without joints have no such column.
             found["gradient"] = np.reshape(found.get("gradient", ()), np.shape(rows))
         else:
