@@ -16,6 +16,7 @@
 //! | [`planes`] | half-spaces, and their certificates |
 //! | [`manifolds`] | manifolds of moving pairs, and their certificates |
 //! | [`motions`] | times of impact of shapes that move and turn, and their certificates |
+//! | [`screws`] | times of impact of small hulls, in exact arithmetic |
 //! | [`derivatives`] | derivatives of answers about hulls, against central differences |
 //! | [`tally`] | the counts, and the wrong answers |
 //!
@@ -33,6 +34,7 @@ pub mod meeting;
 pub mod model;
 pub mod motions;
 pub mod planes;
+pub mod screws;
 pub mod tally;
 
 use std::ops::Range;
@@ -61,6 +63,8 @@ pub enum Queries {
     Manifolds,
     /// Times of impact of pairs that move and turn.
     Motions,
+    /// Times of impact of small hulls of their own that move and turn, in exact arithmetic.
+    Screws,
     /// Derivatives of distances, depths, rays and shape casts.
     Derivatives,
 }
@@ -105,6 +109,7 @@ fn judge_line(queries: Queries, pair: &BodyPair<'_, '_>, tally: &mut Tally) {
         Queries::HalfSpaces => planes::judge(pair, &mut rng, tally),
         Queries::Manifolds => manifolds::judge(pair, &mut rng, tally),
         Queries::Motions => motions::judge(pair, &mut rng, tally),
+        Queries::Screws => screws::judge(pair, &mut rng, tally),
         Queries::Derivatives => derivatives::judge(pair, &mut rng, tally),
     }
 }

@@ -24,6 +24,11 @@ impl Dyadic {
         Self { integer: if x < 0.0 { -integer } else { integer }, exponent: exponent + zeros as i32 }
     }
 
+    /// `integer` times 2 to the power of `exponent`.
+    pub fn scaled(integer: BigInt, exponent: i32) -> Self {
+        Self { integer, exponent }
+    }
+
     /// The number with at most 60 of its digits.
     pub fn rounded(&self) -> f64 {
         let excess = self.integer.bits().saturating_sub(60);

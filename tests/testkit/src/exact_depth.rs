@@ -46,6 +46,12 @@ impl Body {
         Self { faces: faces.collect(), rounded: vertices.into_iter().map(round).collect(), exact }
     }
 
+    /// The hull of points, of which no faces are known.
+    fn of_points(exact: Vec<Vector>) -> Self {
+        let rounded = exact.iter().map(|p| DVec3::from_array(p.each_ref().map(Dyadic::rounded))).collect();
+        Self { faces: vec![Face::cap(&(0..exact.len()).collect::<Vec<_>>())], rounded, exact }
+    }
+
     fn segments(&self) -> Vec<[usize; 2]> {
         let mut all: Vec<[usize; 2]> = self.faces.iter().flat_map(|face| &face.segments).copied().collect();
         all.sort_unstable();
@@ -152,6 +158,12 @@ pub fn depth(a: &Hull<'_>, b: &Hull<'_>, b_in_a: Pose) -> Depth {
     let a = Body::new(a, place_a, |p| p);
     let b = Body::new(b, place_b, |p| b_in_a.transform_point(p));
     exact_minimum(&a, &b, &scale)
+}
+
+/// The exact depth of the hulls of a few points, which together span the space. A common power of
+/// two scales all coordinates to about 1.
+pub fn depth_of_points(a: Vec<Vector>, b: Vec<Vector>) -> Depth {
+    exact_minimum(&Body::of_points(a), &Body::of_points(b), &Dyadic::new(1.0))
 }
 
 fn exact_minimum(a: &Body, b: &Body, scale: &Dyadic) -> Depth {

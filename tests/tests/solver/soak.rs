@@ -133,6 +133,20 @@ fn every_time_of_impact_has_a_certificate() {
     assert!(of("at most 8 queries") > pairs * 3 / 4 && of("iteration_limit") < pairs / 200, "{:?}", tally.lines);
 }
 
+/// Times of impact of small hulls, in exact arithmetic, for all times. The program `solver-soak`
+/// does this for any number of motions.
+#[test]
+fn screws_of_small_hulls_agree_with_exact_arithmetic() {
+    let motions = 400;
+    let tally = judged(Queries::Screws, &[], motions);
+    // The sample is representative: hits, misses and grazing motions. Nearly all are decided.
+    let of = |what: &str| tally.lines.get(what).copied().unwrap_or(0);
+    for status in ["separated", "overlapping", "touching", "within"] {
+        assert!(of(status) > motions / 20, "{status}: {}", of(status));
+    }
+    assert!(of("not decided") <= motions / 200, "{:?}", tally.lines);
+}
+
 /// Derivatives of answers about hulls. Uncertain ones are flagged, and are very rare.
 #[test]
 fn derivatives_agree_with_central_differences() {
