@@ -253,6 +253,12 @@ def test_wrong_input(balls: hullmap.Robot, folder: pathlib.Path) -> None:
     (folder / "broken.urdf").write_text('<robot name="r"><link name="l"><collision><geometry><box/></geometry></collision></link></robot>')
     with pytest.raises(hullmap.Error, match="broken.urdf:1: link `l`: the sizes of `box`"):
         hullmap.Robot.from_urdf(folder / "broken.urdf")
+    (folder / "bare.urdf").write_text(
+        '<robot name="r"><link name="l"><collision><geometry><mesh filename="gone.stl"/></geometry></collision></link></robot>'
+    )
+    # Advice for the command would not help here.
+    with pytest.raises(hullmap.Error, match=r"no file `gone.stl`; restore it$"):
+        hullmap.Robot.from_urdf(folder / "bare.urdf")
 
 
 def test_robots_without_joints_or_pairs(folder: pathlib.Path) -> None:

@@ -18,6 +18,8 @@ pub struct Places {
     pub packages: Vec<PathBuf>,
     /// Canonical folders below which files may be read, in addition to the folders of packages.
     pub roots: Vec<PathBuf>,
+    /// What to do about a missing mesh; `None`: to restore it.
+    pub remedy: Option<&'static str>,
 }
 
 /// Why a name leads to no file.
@@ -49,12 +51,13 @@ pub(crate) struct Name<'a> {
     pub folder: &'a Path,
     /// The attribute that states this folder, with its value; empty if none does.
     pub stated_by: &'a str,
-    pub remedy: &'a str,
+    /// What to do if it leads to no file; `None`: what is to be done about a missing mesh.
+    pub remedy: Option<&'a str>,
 }
 
 impl<'a> Name<'a> {
     pub(crate) fn of_mesh(name: &'a str, folder: &'a Path) -> Self {
-        Self { name, folder, stated_by: "", remedy: "restore it, or leave its link alone with `bake robot --skip`" }
+        Self { name, folder, stated_by: "", remedy: None }
     }
 }
 
@@ -137,7 +140,7 @@ impl Places {
         let marks = [Scheme::Package, Scheme::Model].map(Scheme::mark);
         let is_package = |above: &&Path| marks.iter().any(|mark| above.join(mark).is_file());
         let package = folder.ancestors().take(MAX_ABOVE).find(is_package).map(Path::to_owned);
-        Ok(Self { packages: Vec::new(), roots: vec![package.unwrap_or(folder)] })
+        Ok(Self { roots: vec![package.unwrap_or(folder)], ..Self::default() })
     }
 
     /// The file that the name of a mesh in a description in `folder` leads to.
@@ -190,6 +193,7 @@ impl Places {
                 let above = path.ancestors().skip(1).find_map(real);
                 match above {
                     Some(above) if is_inside(&above) => {
+                        let remedy = remedy.or(self.remedy).unwrap_or("restore it");
                         Err(Unresolved::Failed(format!("no file `{name}`{start}; {remedy}")))
                     }
                     _ => Err(outside()),
@@ -339,7 +343,7 @@ mod tests {
             ("else/far/model.config", ""),
         ]);
         let places =
-            Places { packages: vec![root.join("else"), root.join("ws/checkout")], roots: vec![root.join("ws")] };
+            Places { packages: vec![root.join("else"), root.join("ws/checkout")], roots: vec![root.join("ws")], remedy: None };
         let urdf = root.join("ws/arm/urdf");
         for (name, file) in [
             ("package://arm/meshes/a.stl", "ws/arm/meshes/a.stl"),
@@ -396,7 +400,7 @@ mod tests {
     fn links_do_not_lead_out() {
         let (_guard, root) = folder(&[("in/a.urdf", ""), ("out/x.stl", "")]);
         std::os::unix::fs::symlink(root.join("out/x.stl"), root.join("in/x.stl")).unwrap();
-        let places = Places { packages: Vec::new(), roots: vec![root.join("in")] };
+        let places = Places { roots: vec![root.join("in")], ..Places::default() };
         assert!(matches!(places.resolve("x.stl", &root.join("in")), Err(Unresolved::Failed(_))));
     }
 

@@ -39,15 +39,19 @@ fn urdf() {
         "<joint name='cd' type='fixed'><parent link='c'/><child link='d'/><origin xyz='0 0 3'/></joint>\n",
         "<joint name='da' type='fixed'><parent link='d'/><child link='a'/></joint>\n",
         "<joint name='x' type='fixed'><parent link='d'/><child link='none'/></joint>\n",
+        "<joint name='ac' type='fixed'><parent link='a'/><child link='c'/></joint>\n",
         "<transmission name='t'><joint name='ab'/></transmission></robot>",
     ]
     .concat();
     let robot = read(&text);
     let joints = &robot.chain.joints;
-    assert_eq!([joints.len(), robot.chain.warnings.len()], [2, 2], "{:?}", robot.chain.warnings);
-    assert!(
-        robot.chain.warnings.iter().any(|own| own.starts_with("line 8: joint `da`: its child is above its parent"))
-    );
+    assert_eq!([joints.len(), robot.chain.warnings.len()], [2, 3], "{:?}", robot.chain.warnings);
+    for warning in [
+        "line 8: joint `da`: its child is above its parent, so it closes a loop",
+        "line 10: joint `ac`: its child has another joint already, so it closes a loop",
+    ] {
+        assert!(robot.chain.warnings.iter().any(|own| own.starts_with(warning)), "{:?}", robot.chain.warnings);
+    }
     assert_eq!((joints[0].limits, joints[0].neutral), (Some([0.5, 1.5]), 1.0));
     assert_near(point(&robot, "d", [0.0; 3], &[0.0]), [1.0, 1.25, 3.0]);
     assert_near(point(&robot, "d", [0.0, 1.0, 0.0], &[FRAC_PI_2]), [-0.25 - 2.0 * FRAC_PI_2, -1.0, 3.0]);
@@ -109,6 +113,9 @@ fn sdf() {
           <axis><xyz>1 0 0</xyz></axis><axis2><xyz>0 1 0</xyz><mimic joint='j' axis='axis'><multiplier>2</multiplier>
           <reference>0.5</reference><offset>1</offset></mimic></axis2></joint>
          <joint name='bad' type='fixed'><parent>c</parent><child>zzz</child></joint>
+         <joint name='up' type='fixed'><parent>b</parent><child>a</child></joint>
+         <joint name='again' type='fixed'><parent>a</parent><child>b</child></joint>
+         <joint name='lone' type='fixed'><parent>zzz</parent><child>a</child></joint>
          </model></world></sdf>",
     );
     assert_near(point(&robot, "m::b", [0.0; 3], &[0.0]), [10.0, 2.0, 1.0]);
@@ -120,10 +127,15 @@ fn sdf() {
     assert_eq!(robot.chain.joints[2].coupling.unwrap().follow(0.0), 0.0);
     assert_eq!(robot.chain.joints[2].coupling.unwrap().follow(1.0), 2.0);
     let notes = robot.chain.warnings.join("\n");
-    assert!(
-        notes.contains("joint `bad`: its child is not a link") && notes.contains("names no joint that moves"),
-        "{notes}"
-    );
+    for note in [
+        "joint `bad`: its child is not a link",
+        "joint `up`: its child is above its parent, so it closes a loop",
+        "joint `again`: its child has another joint already, so it closes a loop",
+        "joint `lone`: its parent is not a link",
+        "names no joint that moves",
+    ] {
+        assert!(notes.contains(note), "{notes}");
+    }
 }
 
 /// Frames in nested models that refer to each other must not take exponential time.

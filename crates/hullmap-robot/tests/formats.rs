@@ -16,7 +16,7 @@ fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
 }
 
 fn read(folder: &Path, name: &str) -> Result<Description, RobotError> {
-    let places = Places { packages: Vec::new(), roots: vec![folder.canonicalize().unwrap()] };
+    let places = Places { roots: vec![folder.canonicalize().unwrap()], ..Places::default() };
     Description::read(&folder.join(name), &places)
 }
 

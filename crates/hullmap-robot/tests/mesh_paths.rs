@@ -25,7 +25,7 @@ fn folder<'t>(files: impl IntoIterator<Item = (&'t str, &'t str)>) -> (tempfile:
 }
 
 fn read(root: &Path, name: &str) -> Description {
-    let places = Places { packages: Vec::new(), roots: vec![root.to_owned()] };
+    let places = Places { roots: vec![root.to_owned()], ..Places::default() };
     Description::read(&root.join(name), &places).unwrap()
 }
 

@@ -29,7 +29,7 @@ pub fn load(model: Document, places: &Places) -> Result<(Vec<Document>, Includes
                 return Err(document.error(at, "this include names no file; add file=\"…\""));
             };
             let find = |folder| {
-                places.find(Name { remedy: "restore it, or remove this include", ..Name::of_mesh(file, folder) })
+                places.find(Name { remedy: Some("restore it, or remove this include"), ..Name::of_mesh(file, folder) })
             };
             let path = find(&root).or_else(|error| find(folder_of(document.path())).map_err(|_| error));
             let path = path.map_err(|error| match error {

@@ -156,7 +156,8 @@ fn prepare(args: &RobotArgs, input: &Path, configs: &mut Configs) -> Result<Robo
     let place = PackPlace { path: input.to_owned(), below: PathBuf::new() };
     let project = Project::of_pack(&place, Path::new("."));
     let roots = project.iter().map(|project| project.root().to_owned()).collect();
-    let places = Places { packages: args.packages.clone(), roots };
+    let remedy = Some("restore it, or leave its link alone with `bake robot --skip`");
+    let places = Places { packages: args.packages.clone(), roots, remedy };
     let mut description = Description::read(input, &places).map_err(|error| one(failure(&error)))?;
     if args.exclude_pairs && description.format == Format::Sdf {
         let message = "--exclude-pairs is for URDF and MJCF: in SDF, links of a model meet only with self_collide";
