@@ -74,6 +74,37 @@ fn rays_at_a_ridge_hit_the_roof_as_in_parry() {
     }
 }
 
+/// Tiles that are moved by sums of powers of two share their edges exactly.
+#[test]
+fn rays_at_the_seams_of_joined_tiles_hit_a_tile() {
+    let square = |size: f64| [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0) * size);
+    let corners = [[0, 1, 2], [0, 2, 3]];
+    let [tile, floor] = [1.0, 64.0].map(|size| BakedSurface::new(mesh(&square(size), &corners)));
+    let at = |x: f32, y: f32, z: f32| Pose::from_translation(Vector::new(x, y, z));
+    let tiles = (0..9_u8).map(|k| (at(0.125 + f32::from(k % 3), f32::from(k / 3) - 7.5, 4.0), tile.clone()));
+    let below = (at(-32.0, -32.0, 0.0), floor);
+    let surface = BakedSurface::joined(tiles.chain([below])).unwrap();
+    let seed = 5;
+    println!("seed {seed}");
+    let mut rng = SplitMix64::new(seed);
+    let mut vertices = 0;
+    for round in 0..4000 {
+        let mut step = |count: f64| (rng.unit() * count).floor() as f32;
+        let (seam, along) = (1.0 + step(2.0), 0.25 + step(40.0) / 16.0);
+        let [x, y] = if round % 2 == 0 { [seam, along] } else { [along, seam] };
+        vertices += usize::from(along.fract() == 0.0);
+        let target = Vector::new(0.125 + x, y - 7.5, 4.0);
+        let slope = Vector::new(step(65.0) / 32.0 - 1.0, step(65.0) / 32.0 - 1.0, 0.5 + step(16.0) / 16.0);
+        let ray = Ray::new(target + slope * 2.0, -slope);
+        for own in [&surface, &surface.one_sided()] {
+            let found = own.cast_local_ray_and_get_normal(&ray, 1e3, true).unwrap();
+            assert_eq!(found.time_of_impact, 2.0, "round {round}: {ray:?}");
+            assert!(found.normal.z > 0.9 && found.subshape < 18, "round {round}: {found:?}");
+        }
+    }
+    assert!(vertices > 100, "{vertices}");
+}
+
 #[test]
 fn boxes_contain_all_triangles() {
     for NamedSurface { name, surface, triangles } in grounds(2) {
