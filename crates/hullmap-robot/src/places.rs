@@ -18,7 +18,7 @@ pub struct Places {
     pub packages: Vec<PathBuf>,
     /// Canonical folders below which files may be read, in addition to the folders of packages.
     pub roots: Vec<PathBuf>,
-    /// What to do about a missing mesh; `None`: to restore it.
+    /// Advice for a missing mesh; `None`: restore it.
     pub remedy: Option<&'static str>,
 }
 
@@ -51,7 +51,7 @@ pub(crate) struct Name<'a> {
     pub folder: &'a Path,
     /// The attribute that states this folder, with its value; empty if none does.
     pub stated_by: &'a str,
-    /// What to do if it leads to no file; `None`: what is to be done about a missing mesh.
+    /// Advice if it leads to no file; `None`: the advice for a missing mesh.
     pub remedy: Option<&'a str>,
 }
 
@@ -342,8 +342,11 @@ mod tests {
             ("else/far/e.stl", ""),
             ("else/far/model.config", ""),
         ]);
-        let places =
-            Places { packages: vec![root.join("else"), root.join("ws/checkout")], roots: vec![root.join("ws")], remedy: None };
+        let places = Places {
+            packages: vec![root.join("else"), root.join("ws/checkout")],
+            roots: vec![root.join("ws")],
+            remedy: None,
+        };
         let urdf = root.join("ws/arm/urdf");
         for (name, file) in [
             ("package://arm/meshes/a.stl", "ws/arm/meshes/a.stl"),

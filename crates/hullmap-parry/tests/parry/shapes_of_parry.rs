@@ -77,7 +77,8 @@ fn rays_at_a_ridge_hit_the_roof_as_in_parry() {
 /// Tiles that are moved by sums of powers of two share their edges exactly.
 #[test]
 fn rays_at_the_seams_of_joined_tiles_hit_a_tile() {
-    let square = |size: f64| [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0) * size);
+    let square =
+        |size: f64| [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0) * size);
     let corners = [[0, 1, 2], [0, 2, 3]];
     let [tile, floor] = [1.0, 64.0].map(|size| BakedSurface::new(mesh(&square(size), &corners)));
     let at = |x: f32, y: f32, z: f32| Pose::from_translation(Vector::new(x, y, z));
