@@ -18,7 +18,7 @@ pub struct Places {
     pub packages: Vec<PathBuf>,
     /// Canonical folders below which files may be read, in addition to the folders of packages.
     pub roots: Vec<PathBuf>,
-    /// Advice for a missing mesh; `None`: restore it.
+    /// Advice for a missing mesh; `None`: to restore it.
     pub remedy: Option<&'static str>,
 }
 

@@ -215,8 +215,12 @@ static void packs(const HullmapPack *pack) {
     HullmapHullFacts facts;
     HullmapHullArrays arrays;
     EXPECT(hullmap_pack_hull_count(NULL) == 0);
-    FAILS(HULLMAP_RESULT_NOT_FOUND, "the pack has 1 (", hullmap_pack_find(pack, "no such hull", &index));
-    FAILS(HULLMAP_RESULT_NOT_FOUND, "the pack has 1 (", hullmap_pack_find(pack, "\xff\xfe", &index));
+    facts.struct_size = sizeof facts;
+    OK(hullmap_pack_hull_facts(pack, 0, &facts));
+    char names[64];
+    snprintf(names, sizeof names, "the pack has 1 (%.*s)", (int)facts.name.length, facts.name.data);
+    FAILS(HULLMAP_RESULT_NOT_FOUND, names, hullmap_pack_find(pack, "no such hull", &index));
+    FAILS(HULLMAP_RESULT_NOT_FOUND, names, hullmap_pack_find(pack, "\xff\xfe", &index));
     FAILS(HULLMAP_RESULT_NULL, "name", hullmap_pack_find(pack, NULL, &index));
     FAILS(HULLMAP_RESULT_NULL, "index", hullmap_pack_find(pack, "x", NULL));
     facts.struct_size = sizeof facts;
