@@ -325,6 +325,26 @@ def test_manifolds_of_packs_are_those_of_their_hulls(pair_of_cubes):
     assert few.touching == 1 and few.dropped == 1 and few.count.tolist() == [4]
 
 
+def test_manifolds_say_how_they_ended(rocks, truth):
+    cube = hullmap.bake(CUBE)[0]
+    # Touching, within the default prediction, beyond it, and 0.5 deep.
+    poses = hullmap.poses([[0, 0, 2], [0, 0, 2.01], [0, 0, 3], [0, 0, 1.5]])
+    expected = ["touching", "exact", "separated", "exact"]
+    for other in (cube, hullmap.Box([1, 1, 1])):
+        found, pairs = cube.manifold(other, poses), cube.manifolds(other, poses, max_pairs=2)
+        assert Status.words(found.status) == expected and found.count.tolist() == [4, 4, 0, 4]
+        assert Status.words(pairs.status[:, 0]) == expected and (pairs.status[:, 1] == Status.SEPARATED).all()
+        assert found.hit.tolist() == [True, False, False, True]
+    # Without iterations, overlapping shapes have points, but not those of the least depth.
+    poses, depths, _ = truth
+    deep = poses[depths > 0.1]
+    limited, whole = (rocks[0].manifold(rocks[1], deep, max_iterations=n) for n in (0, 200))
+    assert (limited.status == Status.ITERATION_LIMIT).mean() > 0.9 and limited.hit.all() and (limited.count > 0).all()
+    assert np.isin(whole.status, (Status.EXACT, Status.WITHIN)).all()
+    pairs = rocks[0].manifolds(rocks[1], deep, max_pairs=1, max_iterations=0)
+    assert np.array_equal(pairs.status[:, 0], limited.status)
+
+
 def test_manifolds_of_pack_on_pack_and_floor(pair_of_cubes):
     pack, floor = pair_of_cubes, hullmap.HalfSpace([0, 0, 1], 0.0)
     found = floor.manifolds(pack, hullmap.poses([[0, 0, -0.01], [0, 0, 5]]), max_pairs=3)
