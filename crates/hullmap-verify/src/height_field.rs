@@ -8,6 +8,7 @@ use glam::DVec3;
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap::{CastSettings, HeightField, Ray, Status};
 
+use crate::joints::Answer;
 use crate::random::SplitMix;
 use crate::triangle_mesh::{Findings, SurfaceVerification};
 
@@ -57,6 +58,17 @@ pub fn verify_field(
     rays: usize,
     seed: u64,
 ) -> SurfaceVerification {
+    let answer: &Answer = &|ray| hullmap::ray(field, ray, &CastSettings::default());
+    verify_answers(field, source, rays, seed, answer)
+}
+
+fn verify_answers(
+    field: &HeightField,
+    source: Option<&SourceHeights>,
+    rays: usize,
+    seed: u64,
+    answer: &Answer,
+) -> SurfaceVerification {
     let mut findings = Findings::default();
     let own;
     let truth = match source {
@@ -66,14 +78,16 @@ pub fn verify_field(
             &own
         }
     };
-    let mut hits = 0;
+    let (mut joint_rays, mut hits) = (0, 0);
     findings.compare("grid", field.layout(), &truth.layout);
     if field.layout() == &truth.layout {
         compare_cells(field, truth, &mut findings);
         let mut random = SplitMix::new(seed);
         for index in 0..rays {
             let place = [0.5 + 0.5 * random.signed(), 0.5 + 0.5 * random.signed()];
-            let (problem, is_hit) = compare_ray(field, truth, place, index % 2 == 0);
+            let is_on_edge = index % 2 == 0;
+            let Some((problem, is_hit)) = compare_ray(field, truth, place, is_on_edge, answer) else { continue };
+            joint_rays += usize::from(is_on_edge);
             hits += usize::from(is_hit);
             problem.into_iter().for_each(|problem| findings.add(|| problem));
         }
@@ -82,6 +96,7 @@ pub fn verify_field(
         against: Some(if source.is_some() { "source" } else { "stored heights" }),
         triangles: Some(field.triangle_count() - 2 * field.hole_count()),
         rays: Some(rays),
+        joint_rays: Some(joint_rays),
         ray_hits: Some(hits),
         seed: Some(seed),
         ..findings.verification()
@@ -109,13 +124,15 @@ fn compare_cells(field: &HeightField, truth: &SourceHeights, findings: &mut Find
 }
 
 /// Step 2: compares a vertical ray with the samples around it, at a place between 0 and 1 along x
-/// and y, or on the nearest edge or sample below it. Returns what is wrong, and whether it hits.
+/// and y, or on the nearest edge or sample below it. Returns the problem, and whether it hits;
+/// `None` if its answer is not known.
 fn compare_ray(
     field: &HeightField,
     truth: &SourceHeights,
     place: [f64; 2],
     is_on_edge: bool,
-) -> (Option<String>, bool) {
+    answer: &Answer,
+) -> Option<(Option<String>, bool)> {
     let layout = &truth.layout;
     let [across, along] = layout.cells();
     let [(column, u), (row, v)] = [(place[0], across), (place[1], along)].map(|(share, cells)| {
@@ -131,7 +148,7 @@ fn compare_ray(
     };
     let is_near_edge = [u, v, 1.0 - u, 1.0 - v, near_diagonal.abs()].iter().any(|distance| *distance < 1e-6);
     if is_near_edge && !is_on_edge {
-        return (None, false);
+        return None;
     }
     let [z00, z10, z01, z11] = truth.corners(column, row);
     let expected = match (layout.diagonal, near_diagonal > 0.0) {
@@ -143,16 +160,15 @@ fn compare_ray(
     let is_hole = truth.is_hole(column, row);
     if is_hole && is_on_edge {
         // The cells beyond the edge decide.
-        return (None, false);
+        return None;
     }
     let between = |at: f64, low: f64, high: f64| low + at * (high - low);
     let x = between(u, layout.x(column), layout.x(column + 1));
     let y = between(v, layout.y(row), layout.y(row + 1));
     let [low, high] = field.bounds();
     let top = high.z + (high.z - low.z).max(layout.spacing[0]);
-    let Ok(ray) = Ray::new(DVec3::new(x, y, top), DVec3::NEG_Z) else { return (None, false) };
-    let found = hullmap::ray(field, &ray, &CastSettings::default());
-    let problem = |text: String| (Some(format!("a ray at x {x}, y {y} {text}")), found.hit);
+    let found = answer(&Ray::new(DVec3::new(x, y, top), DVec3::NEG_Z).ok()?);
+    let problem = |text: String| Some((Some(format!("a ray at x {x}, y {y} {text}")), found.hit));
     if found.hit == is_hole {
         let what = if is_hole { "a hole" } else { "ground" };
         return problem(format!("{} where the samples have {what}", if found.hit { "hits" } else { "misses" }));
@@ -164,7 +180,30 @@ fn compare_ray(
         + 1e-9 * (z00 - z11).abs().max((z10 - z01).abs());
     let (below, above) = (top - found.t_upper, top - found.t_lower);
     if is_hole || below - slack <= expected && expected <= above + slack {
-        return (None, found.hit);
+        return Some((None, found.hit));
     }
     problem(format!("hits at z {} where the samples have {expected}", top - found.t))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
+
+    /// Only rays above samples and edges, whose x is a whole number, miss the ground.
+    #[test]
+    fn a_ray_through_an_edge_fails() {
+        let layout = Layout { columns: 5, rows: 4, origin: [0.0; 2], spacing: [1.0; 2], diagonal: Diagonal::Rising };
+        let heights: Vec<f32> = (0..20_u8).map(|index| f32::from(index * 7 % 5)).collect();
+        let grid = HeightGrid { layout, heights: &heights, holes: &[], materials: &[] };
+        let file = write_height_field(bake_height_field(&grid).unwrap(), &Default::default()).unwrap();
+        let field = HeightField::from_bytes(&file).unwrap();
+        let cast = |ray: &Ray| hullmap::ray(&field, ray, &CastSettings::default());
+        let right = verify_answers(&field, None, 400, 1, &cast);
+        assert!(right.pass && right.joint_rays == Some(200), "{right:?}");
+        let miss = cast(&Ray::new(DVec3::splat(-1.0), DVec3::NEG_Z).unwrap());
+        let wrong =
+            verify_answers(&field, None, 400, 1, &|ray| if ray.origin().x.fract() == 0.0 { miss } else { cast(ray) });
+        assert_eq!((wrong.pass, wrong.mismatches), (false, Some(200)), "{wrong:?}");
+    }
 }

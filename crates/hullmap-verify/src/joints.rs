@@ -1,7 +1,7 @@
 //! Rays that meet a vertex or the middle of two vertices without rounding: no answer may be behind.
 
 use glam::DVec3;
-use hullmap::{CastSettings, Compound, Pack, Ray, RayHit, SupportMap};
+use hullmap::{CastSettings, Pack, Ray, RayHit, SupportMap};
 
 use crate::random::SplitMix;
 
@@ -9,6 +9,9 @@ use crate::random::SplitMix;
 const ROUNDING: f64 = 1e-12;
 
 const MAX_RAYS: usize = 2_000;
+
+/// What answers rays: [`hullmap::ray`], or in tests a function with wrong answers.
+pub(crate) type Answer<'a> = dyn Fn(&Ray) -> RayHit + Sync + 'a;
 
 /// A ray, and a t at which it meets a surface exactly; infinite if none is known.
 pub(crate) struct AimedRay {
@@ -41,12 +44,13 @@ pub(crate) fn exact_middle(a: DVec3, b: DVec3) -> DVec3 {
 }
 
 /// Casts rays at vertices of the parts of a pack, and at middles of two vertices of a part, which
-/// are in it. Returns the hull that an answer is behind, and what is wrong.
-pub(crate) fn ray_problem(pack: &Pack, seed: u64) -> Option<(usize, String)> {
-    let (whole, mut random) = (Compound::new(pack), SplitMix::new(seed));
+/// are in it. Returns the number of rays at each hull, and the first hull that an answer is behind,
+/// with the problem.
+pub(crate) fn cast_rays(pack: &Pack, seed: u64, answer: &Answer) -> (Vec<usize>, Option<(usize, String)>) {
+    let (mut counts, mut random) = (vec![0; pack.hull_count()], SplitMix::new(seed));
     let count: usize = pack.hulls().map(|hull| hull.vertex_count()).sum();
     let size = pack.hulls().map(|hull| hull.outer_radius()).fold(0.0, f64::max);
-    (0..count.min(MAX_RAYS)).find_map(|round| {
+    let problem = (0..count.min(MAX_RAYS)).find_map(|round| {
         let index = random.below(pack.hull_count());
         let hull = pack.hull(index).ok()?;
         let mut vertex = || hull.vertex(random.below(hull.vertex_count()) as u32).map(|v| v.as_dvec3());
@@ -58,14 +62,14 @@ pub(crate) fn ray_problem(pack: &Pack, seed: u64) -> Option<(usize, String)> {
             _ => random.in_ball_f64() * (3.0 * size),
         };
         let aimed = AimedRay::at(target, target - way)?;
-        let ray = Ray::new(aimed.origin, aimed.direction).ok()?;
-        let settings = CastSettings::default();
-        let found = hullmap::ray(&whole, &ray, &settings);
+        let found = answer(&Ray::new(aimed.origin, aimed.direction).ok()?);
+        counts[index] += 1;
         let (t, AimedRay { origin, direction, .. }) = (found.t, &aimed);
-        let tolerance = settings.tolerance * size / direction.length();
+        let tolerance = CastSettings::default().tolerance * size / direction.length();
         (!aimed.is_met_by(&found, tolerance))
             .then(|| (index, format!("a ray from {origin} along {direction} meets a part at t = 1, found t = {t}")))
-    })
+    });
+    (counts, problem)
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@
 use std::collections::HashSet;
 
 use glam::Vec3;
-use hullmap::{Cost, Hull, Pack, SolidKind};
+use hullmap::{CastSettings, Compound, Cost, Hull, Pack, SolidKind};
 use hullmap_bake::advice::usability::{Flaw, thickness};
 use hullmap_bake::decompose::Cover;
 use hullmap_bake::fit::mesh_mass;
@@ -27,7 +27,7 @@ use crate::directions::directions;
 use crate::fit::{Judge, Witness};
 use crate::geometry::polygons;
 use crate::index;
-use crate::joints;
+use crate::joints::{self, Answer};
 use crate::mass;
 use crate::outside::measure_outside;
 use crate::parts::{PartsFindings, findings};
@@ -88,6 +88,8 @@ pub struct HullVerification {
     pub max_dots: Option<u32>,
     /// Size of the index, in bytes per vertex.
     pub index_bytes_per_vertex: Option<f64>,
+    /// Number of rays at its vertices and edges.
+    pub joint_rays: Option<usize>,
     /// Whether the hull passed.
     pub pass: bool,
     /// `source` or `stored hull`: what it was compared with.
@@ -197,6 +199,19 @@ pub fn verify_hulls(
     count: usize,
     seed: u64,
 ) -> Result<Vec<HullVerification>, String> {
+    let whole = Compound::new(pack);
+    let answer: &Answer = &|ray| hullmap::ray(&whole, ray, &CastSettings::default());
+    verify_answers(pack, reference, cover, count, seed, answer)
+}
+
+fn verify_answers(
+    pack: &Pack,
+    reference: Reference,
+    cover: Option<&Cover>,
+    count: usize,
+    seed: u64,
+    answer: &Answer,
+) -> Result<Vec<HullVerification>, String> {
     pack.check_repeats().map_err(|error| error.to_string())?;
     let mut results = compare_hulls(pack, reference, cover, count, seed)?;
     for (result, proof) in results.iter_mut().zip(index::prove(pack)) {
@@ -209,7 +224,11 @@ pub fn verify_hulls(
             }
         }
     }
-    if let Some((index, problem)) = joints::ray_problem(pack, seed)
+    let (counts, problem) = joints::cast_rays(pack, seed, answer);
+    for (result, count) in results.iter_mut().zip(counts) {
+        result.joint_rays = Some(count);
+    }
+    if let Some((index, problem)) = problem
         && let Some(result) = results.get_mut(index)
     {
         result.problems.push(problem);
@@ -423,6 +442,7 @@ fn verify_hull(hull: &Hull, source: Option<&PointSet>, count: usize, seed: u64) 
         max_nodes: Some(worst.nodes),
         max_dots: Some(worst.dots),
         index_bytes_per_vertex: Some(hull.index_byte_len() as f64 / vertices.len() as f64),
+        joint_rays: None,
         pass: mismatches == 0 && problems.is_empty(),
         against: Some(if source.is_some() { "source" } else { "stored hull" }),
         source: None,
@@ -504,6 +524,8 @@ fn count_mismatched_vertices(
 
 #[cfg(test)]
 mod tests {
+    use hullmap_bake::{BakedHull, IndexKind, SourceRecord, bake_hull, write_pack};
+
     use super::*;
 
     #[test]
@@ -538,9 +560,37 @@ mod tests {
             "max_nodes",
             "max_dots",
             "index_bytes_per_vertex",
+            "joint_rays",
             "pass",
         ] {
             assert!(result.get(key).is_some(), "{key}");
+        }
+    }
+
+    /// Two boxes that abut over a floor, and answers that are all from the floor.
+    #[test]
+    fn an_answer_from_behind_a_part_fails() {
+        let part = |[low, high]: [[f32; 3]; 2]| {
+            let corner =
+                |index: usize| [0, 1, 2].map(|axis| if index >> axis & 1 == 0 { low[axis] } else { high[axis] });
+            bake_hull(&PointSet::of_positions((0..8).map(corner).collect()), IndexKind::None).unwrap()
+        };
+        let pack =
+            |hulls: &[BakedHull]| Pack::from_bytes(&write_pack(hulls, &SourceRecord::default()).unwrap()).unwrap();
+        let floor = part([[-9.0, -9.0, -1.0], [9.0, 9.0, 0.0]]);
+        let boxes = [[[-1.0, -1.0, 2.0], [0.0, 1.0, 3.0]], [[0.0, -1.0, 2.0], [1.0, 1.0, 3.0]]].map(part);
+        let (all, floor) = (pack(&[boxes.as_slice(), &[floor.clone()]].concat()), pack(&[floor]));
+        let (whole, behind) = (Compound::new(&all), Compound::new(&floor));
+        for seed in 0..8 {
+            let verify = |whole: &Compound| {
+                let answer: &Answer = &|ray| hullmap::ray(whole, ray, &CastSettings::default());
+                verify_answers(&all, Reference::StoredHull, None, 10, seed, answer).unwrap()
+            };
+            let right = verify(&whole);
+            assert!(right.iter().all(|own| own.pass), "seed {seed}: {:?}", right[0].problems);
+            assert!(right.iter().filter_map(|own| own.joint_rays).sum::<usize>() > 12, "seed {seed}");
+            let wrong: Vec<HullVerification> = verify(&behind).into_iter().filter(|own| !own.pass).collect();
+            assert!(matches!(&wrong[..], [own] if own.problems[0].contains("meets a part at t = 1")), "seed {seed}");
         }
     }
 

@@ -20,7 +20,7 @@ use hullmap_import::{Materials, Polygons};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::joints::{AimedRay, exact_middle};
+use crate::joints::{AimedRay, Answer, exact_middle};
 use crate::random::SplitMix;
 use hullmap_geometry::triangle::nearest;
 
@@ -87,6 +87,8 @@ pub struct SurfaceVerification {
     pub triangles: Option<usize>,
     /// Number of rays that were tested.
     pub rays: Option<usize>,
+    /// Number of these that meet a vertex or an edge exactly.
+    pub joint_rays: Option<usize>,
     /// Number of rays that hit the mesh.
     pub ray_hits: Option<usize>,
     /// Number of points whose nearest triangle was tested; `None` for a height field.
@@ -148,6 +150,17 @@ pub fn verify_mesh(
     directions: usize,
     seed: u64,
 ) -> SurfaceVerification {
+    let answer: &Answer = &|ray| hullmap::ray(mesh, ray, &CastSettings::default());
+    verify_answers(mesh, source, directions, seed, answer)
+}
+
+fn verify_answers(
+    mesh: &TriangleMesh,
+    source: Option<&SourceTriangles>,
+    directions: usize,
+    seed: u64,
+    answer: &Answer,
+) -> SurfaceVerification {
     let mut findings = Findings::default();
     let stored: Vec<[DVec3; 3]> =
         (0..mesh.triangle_count()).filter_map(|index| Some(mesh.triangle(index)?.corners())).collect();
@@ -166,12 +179,13 @@ pub fn verify_mesh(
     let random = SplitMix::new(seed);
     let [low, high] = mesh.bounds().map(|corner| corner.as_dvec3());
     let space = Space { center: low.midpoint(high), radius: 0.5 * low.distance(high), scale: greatest(&truth) };
-    let ray_hits = compare_rays(mesh, &truth, count, space, random.clone(), &mut findings);
+    let [joint_rays, ray_hits] = compare_rays(answer, &truth, count, space, random.clone(), &mut findings);
     compare_points(mesh, &truth, count, space, random, &mut findings);
     SurfaceVerification {
         against: Some(if source.is_some() { "source" } else { "stored triangles" }),
         triangles: Some(mesh.triangle_count()),
         rays: Some(count),
+        joint_rays: Some(joint_rays),
         ray_hits: Some(ray_hits),
         points: Some(count),
         seed: Some(seed),
@@ -340,15 +354,15 @@ struct RayTruth {
     is_doubtful: bool,
 }
 
-/// Step 3. Returns the number of hits.
+/// Step 3. Returns the number of rays at vertices and edges, and of hits.
 fn compare_rays(
-    mesh: &TriangleMesh,
+    answer: &Answer,
     triangles: &[[DVec3; 3]],
     count: usize,
     space: Space,
     mut random: SplitMix,
     findings: &mut Findings,
-) -> usize {
+) -> [usize; 2] {
     let rays: Vec<AimedRay> = (0..count)
         .map(|index| {
             let origin = space.center + random.in_ball_f64() * (1.5 * space.radius);
@@ -367,14 +381,11 @@ fn compare_rays(
             AimedRay { origin, direction, meets: f64::INFINITY }
         })
         .collect();
-    let answer = |AimedRay { origin, direction, .. }: &AimedRay| {
-        let ray = Ray::new(*origin, *direction).ok()?;
-        Some(hullmap::ray(mesh, &ray, &CastSettings::default()))
-    };
     let judged: Vec<(Option<hullmap::RayHit>, bool)> = rays
         .par_iter()
         .map(|ray| {
-            let (truth, found) = (ray_truth(triangles, [ray.origin, ray.direction], space.scale), answer(ray));
+            let truth = ray_truth(triangles, [ray.origin, ray.direction], space.scale);
+            let found = Ray::new(ray.origin, ray.direction).ok().map(|own| answer(&own));
             let is_right = found.is_some_and(|found| ray.is_met_by(&found, 0.0) && is_right(&found, &truth));
             (found, is_right)
         })
@@ -387,7 +398,8 @@ fn compare_rays(
             format!("ray from {origin} along {direction}: wrong answer, t = {t}")
         });
     }
-    judged.iter().filter(|(found, _)| found.is_some_and(|found| found.hit)).count()
+    let joint_rays = rays.iter().filter(|ray| ray.meets < f64::INFINITY).count();
+    [joint_rays, judged.iter().filter(|(found, _)| found.is_some_and(|found| found.hit)).count()]
 }
 
 fn is_right(found: &hullmap::RayHit, truth: &RayTruth) -> bool {
@@ -477,5 +489,36 @@ fn compare_points(
     let judged: Vec<(f64, f64, bool)> = points.par_iter().map(judge).collect();
     for (point, (found, least, _)) in points.iter().zip(judged).filter(|(_, (.., is_right))| !is_right) {
         findings.add(|| format!("nearest triangle of {point}: at {found} instead of {least}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
+
+    /// A square at each height.
+    fn squares(heights: &[f32]) -> TriangleMesh {
+        let square = |z: &f32| [[0.0, 0.0, *z], [4.0, 0.0, *z], [4.0, 4.0, *z], [0.0, 4.0, *z]];
+        let positions: Vec<[f32; 3]> = heights.iter().flat_map(square).collect();
+        let square = |at: usize| [[0, 1, 2], [0, 2, 3]].map(|triangle| triangle.map(|corner| corner + 4 * at as u32));
+        let corners: Vec<[u32; 3]> = (0..heights.len()).flat_map(square).collect();
+        let source = Triangles { positions: &positions, corners: &corners, materials: &[] };
+        let file = write_triangle_mesh(bake_triangle_mesh(&source).unwrap(), &Default::default()).unwrap();
+        TriangleMesh::from_bytes(&file).unwrap()
+    }
+
+    /// Only rays at vertices and edges, which meet them at t = 1, get the answer of the floor.
+    #[test]
+    fn an_answer_from_behind_an_edge_fails() {
+        let (mesh, floor) = (squares(&[1.0, 0.0]), squares(&[0.0]));
+        let cast = |mesh: &TriangleMesh, ray: &Ray| hullmap::ray(mesh, ray, &CastSettings::default());
+        let right = verify_answers(&mesh, None, 400, 1, &|ray| cast(&mesh, ray));
+        assert!(right.pass && right.joint_rays > Some(100), "{right:?}");
+        let wrong = verify_answers(&mesh, None, 400, 1, &|ray| {
+            let (found, behind) = (cast(&mesh, ray), cast(&floor, ray));
+            if (found.t - 1.0).abs() < 1e-9 && behind.hit { behind } else { found }
+        });
+        assert!(!wrong.pass, "{wrong:?}");
     }
 }
