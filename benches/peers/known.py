@@ -61,14 +61,19 @@ def placed(pose):
     return [corners("A"), [move(corner) for corner in corners("B")]]
 
 
-def obj(pose):
-    """Text of an OBJ file with both boxes as objects."""
+def obj_of(boxes):
+    """Text of an OBJ file with boxes, given by their corners, as objects."""
     lines = []
-    for index, points in enumerate(placed(pose)):
+    for index, points in enumerate(boxes):
         lines.append(f"o box_{index}")
         lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in points]
         lines += ["f " + " ".join(str(8 * index + corner + 1) for corner in triangle) for triangle in TRIANGLES]
     return "\n".join(lines) + "\n"
+
+
+def obj(pose):
+    """Text of an OBJ file with both boxes in a pose."""
+    return obj_of(placed(pose))
 
 
 def require(engine, answers):

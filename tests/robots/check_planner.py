@@ -12,7 +12,8 @@ For each URDF, with all pairs of links that hullmap tests:
 - a free edge is free at 1,000 steps, with at least its clearance; the first hit of the steps is not before the
   interval of a hit edge, nor after it by more than a step.
 
-Times are CPU seconds of one thread. They are printed, and decide nothing.
+First coal and MuJoCo answer a robot of two known boxes, in the way that they are measured. Times are CPU seconds of
+one thread. They are printed, and decide nothing.
 """
 
 import pathlib
@@ -35,6 +36,9 @@ try:
     import mujoco
 except ImportError:
     mujoco = None
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "benches/peers"))
+import known  # noqa: E402
 
 SEED = 40
 STEPS = 1000
@@ -189,47 +193,40 @@ def check_edges(file, robot, qs, count, random, limits):
     )
 
 
-def mujoco_rate(file, robot, reference, qs):
-    """Configurations a second of MuJoCo, with the same pairs."""
-    if mujoco is None:
-        return ""
-    text = file.read_text()
+def mujoco_model(file, robot):
+    """MuJoCo's model of a URDF, with the pairs that hullmap tests. Fails with a ValueError if MuJoCo does not read it."""
     with tempfile.TemporaryDirectory() as folder:
         # MuJoCo removes folders from names, and needs the meshes in one.
         index = 0
-        tree = ElementTree.fromstring(text)
+        tree = ElementTree.fromstring(file.read_text())
         for link in tree.iter("link"):
             for visual in link.findall("visual"):
                 link.remove(visual)
             for mesh in link.iter("mesh"):
-                source = next(
-                    (f for f in (parent / mesh.get("filename").split("://")[-1] for parent in file.parents) if f.is_file()),
-                    None,
-                ) or next(
-                    (f for f in (parent / mesh.get("filename").split("://")[-1].split("/", 1)[-1] for parent in file.parents)
-                     if f.is_file()),
-                    None,
-                )
+                path = mesh.get("filename").split("://")[-1]
+                places = [parent / own for own in (path, path.split("/", 1)[-1]) for parent in file.parents]
+                source = next((place for place in places if place.is_file()), None)
                 if source is None or source.suffix.lower() not in (".stl", ".obj"):
-                    return f"MuJoCo does not read {mesh.get('filename')}"
+                    raise ValueError(f"it does not read {mesh.get('filename')}")
                 name = f"{index}{source.suffix}"
                 (pathlib.Path(folder) / name).write_bytes(source.read_bytes())
                 mesh.set("filename", name)
                 index += 1
         own = ElementTree.SubElement(tree, "mujoco")
         ElementTree.SubElement(own, "compiler", meshdir=folder, balanceinertia="true", fusestatic="false")
-        try:
-            spec = mujoco.MjSpec.from_string(ElementTree.tostring(tree, encoding="unicode"))
-            tested = {frozenset(pair) for pair in robot.pairs.tolist()}
-            index = {name: at for at, name in enumerate(robot.names)}
-            bodies = [body.name for body in spec.bodies]
-            for at, b in enumerate(bodies):
-                for a in bodies[:at]:
-                    if frozenset((index.get(a), index.get(b))) not in tested:
-                        spec.add_exclude(bodyname1=a, bodyname2=b)
-            model = spec.compile()
-        except ValueError as error:
-            return f"MuJoCo: {str(error).splitlines()[0]}"
+        spec = mujoco.MjSpec.from_string(ElementTree.tostring(tree, encoding="unicode"))
+        tested = {frozenset(pair) for pair in robot.pairs.tolist()}
+        index = {name: at for at, name in enumerate(robot.names)}
+        bodies = [body.name for body in spec.bodies]
+        for at, b in enumerate(bodies):
+            for a in bodies[:at]:
+                if frozenset((index.get(a), index.get(b))) not in tested:
+                    spec.add_exclude(bodyname1=a, bodyname2=b)
+        return spec.compile()
+
+
+def mujoco_run(model, robot, reference, qs):
+    """The number of configurations in which MuJoCo finds a contact, the CPU seconds, and its data of the last one."""
     data = mujoco.MjData(model)
     joints = [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, at) for at in range(model.njnt)]
     rows = np.zeros((len(qs), model.nq))
@@ -249,13 +246,65 @@ def mujoco_rate(file, robot, reference, qs):
             hits += data.ncon > 0
         return hits
 
-    hits, seconds = cpu(run)
-    return f"MuJoCo {len(rows) / seconds:,.0f} ({hits / len(rows):.1%} collide)"
+    return *cpu(run), data
+
+
+def mujoco_rate(file, robot, reference, qs):
+    """Configurations a second of MuJoCo, in words."""
+    if mujoco is None:
+        return ""
+    try:
+        model = mujoco_model(file, robot)
+    except ValueError as error:
+        return f"MuJoCo: {str(error).splitlines()[0]}"
+    hits, seconds, _ = mujoco_run(model, robot, reference, qs)
+    return f"MuJoCo {len(qs) / seconds:,.0f} ({hits / len(qs):.1%} collide)"
+
+
+# Box A is fixed to the base. Two joints move box B, which is turned as in the known poses.
+BOXES = """<robot name="boxes">
+  <link name="base"/>
+  <link name="slide"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="A"><collision><geometry><mesh filename="package://boxes/A.obj"/></geometry></collision></link>
+  <link name="B"><collision><geometry><mesh filename="package://boxes/B.obj"/></geometry></collision></link>
+  <joint name="to_A" type="fixed"><parent link="base"/><child link="A"/></joint>
+  <joint name="along_z" type="prismatic"><parent link="base"/><child link="slide"/><axis xyz="0 0 1"/>
+    <limit lower="-9" upper="9" effort="1" velocity="1"/></joint>
+  <joint name="along_x" type="prismatic"><parent link="slide"/><child link="B"/><axis xyz="1 0 0"/>
+    <origin rpy="1.5707963267948966 0 0"/><limit lower="-9" upper="9" effort="1" velocity="1"/></joint>
+</robot>
+"""
+
+
+def prove():
+    """Ends the program if coal or MuJoCo answers the known boxes wrongly."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder, "boxes", "boxes.urdf")
+        file.parent.mkdir()
+        file.write_text(BOXES)
+        for box in known.BOXES:
+            file.with_name(f"{box}.obj").write_text(known.obj_of([known.corners(box)]))
+        robot = hullmap.Robot.from_urdf(file, packages=[folder])
+        hulls, meshes = (Reference(file, [folder], robot, is_convex) for is_convex in (True, False))
+        model = mujoco and mujoco_model(file, robot)
+        of_coal, of_mujoco = [], []
+        for name, ((x, _, z, *_), gap) in known.POSES.items():
+            q = np.array([{"along_x": x, "along_z": z}[joint] for joint in robot.joint_names])
+            own = hulls.configuration(q)
+            found = [(f"{kind}, hit", gap < 0, of.collides(own)) for kind, of in (("hulls", hulls), ("meshes", meshes))]
+            of_coal += [(f"{name}: gap", gap, hulls.clearance(own)), *found]
+            if model:
+                hits, _, data = mujoco_run(model, robot, hulls, q[None])
+                of_mujoco += [(f"{name}: hit", gap < 0, bool(hits)), ("depth", max(-gap, 0.0), -data.contact.dist.min() if hits else 0.0)]
+        known.require(f"Pinocchio {pinocchio.__version__} and coal {coal.__version__}", of_coal)
+        if model:
+            known.require(f"MuJoCo {mujoco.__version__}", of_mujoco)
 
 
 def main(count, edges, files):
     faults = 0
     print(f"seed {SEED}")
+    prove()
     for file in files:
         try:
             print(f"ok: {check(pathlib.Path(file).resolve(), int(count), int(edges), np.random.default_rng(SEED))}", flush=True)
@@ -265,4 +314,5 @@ def main(count, edges, files):
     sys.exit(faults > 0)
 
 
-main(sys.argv[1], sys.argv[2], sys.argv[3:])
+if __name__ == "__main__":
+    main(sys.argv[1], sys.argv[2], sys.argv[3:])
