@@ -7,7 +7,7 @@
 //! | module | concept |
 //! |---|---|
 //! | `robot` | links, bodies, obstacles |
-//! | `pairs`, `skipped` | which pairs are tested, and why others are not |
+//! | `pairs` | which pairs are tested, and why others are not |
 //! | `kinematics` | where links are, and how joints move them |
 //! | `in_collision`, `clearance` | one configuration |
 //! | `clear`, `motion_bound` | an edge, and how far bodies move along it |
@@ -61,15 +61,14 @@ mod obstacle;
 mod pairs;
 mod queries;
 mod robot;
-mod skipped;
 
 pub use clear::{EdgeClearance, EdgeSettings};
 pub use clearance::RobotClearance;
 pub use convex::{AnyShape, Convex, hull_of, hulls, shape_of_primitive};
 pub use error::PlanningError;
 pub use glam;
+pub use hullmap_robot::Skipped;
 pub use memory::Memory;
 pub use meshes::{MeshPoints, Packs, imported, read_file};
 pub use obstacle::Obstacle;
 pub use robot::{JointFacts, Robot};
-pub use skipped::Skipped;

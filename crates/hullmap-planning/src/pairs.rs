@@ -6,19 +6,15 @@
 //! # Reference
 //! MoveIt's `AllowedCollisionMatrix`.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use hullmap_robot::{SkipReason, srdf_pairs};
+use hullmap_robot::{SkipReason, Skipped, srdf_pairs};
 
 use crate::error::PlanningError;
 use crate::robot::{BodyOrObstacle, BodyPair, Couple, Robot};
-use crate::skipped::Skipped;
 
 const NAMES_SHOWN: usize = 12;
-
-/// Pairs of collisions of two links, each an index of its link's collisions.
-type Shapes = [usize; 2];
 
 impl Robot {
     /// Allows pairs of links, or of links and obstacles, to collide: they are not tested.
@@ -96,14 +92,15 @@ impl Robot {
                 couples.push(Couple { a, b, pairs: first..pairs.len() });
             }
         };
-        for links @ [a, b] in self.pairs_of_links() {
-            let skipped = self.skipped_shapes(links);
+        for links @ [a, b] in self.filter.pairs_of_links() {
+            let (allowed, of_links) = (self.allowed.get(&links).copied(), self.filter.links(links));
             let shared = self.shared_joints(links);
             let all = self.of_link[a].clone().flat_map(|a| self.of_link[b].clone().map(move |b| [a, b]));
             let is_tested = |bodies: &[usize; 2]| {
                 // Within a link, each pair once.
                 let is_first = a != b || bodies[0] <= bodies[1];
-                is_first && !skipped.contains_key(&bodies.map(|body| self.bodies[body].shape))
+                let shapes = bodies.map(|body| [self.bodies[body].link, self.bodies[body].shape]);
+                is_first && self.filter.collisions(allowed, of_links, shapes).is_none()
             };
             let pair = |[a, b]: [usize; 2]| BodyPair { a: BodyOrObstacle::Body(a), b, shared };
             add(BodyOrObstacle::Body(a), b, all.filter(is_tested).map(pair).collect());
@@ -123,52 +120,10 @@ impl Robot {
         (0..self.links.len()).filter(|link| !self.of_link[*link].is_empty())
     }
 
-    /// The lower link is first. A link is its own partner only if MJCF pairs its geoms.
-    fn pairs_of_links(&self) -> impl Iterator<Item = [usize; 2]> {
-        let links = self.links_with_bodies();
-        links
-            .clone()
-            .flat_map(move |a| links.clone().filter(move |b| a <= *b).map(move |b| [a, b]))
-            .filter(|[a, b]| a != b || self.filter.pairs_within(*a))
-    }
-
-    fn shapes_of(&self, link: usize) -> BTreeSet<usize> {
-        self.of_link[link].clone().map(|body| self.bodies[body].shape).collect()
-    }
-
-    fn skipped_shapes(&self, links @ [a, b]: [usize; 2]) -> BTreeMap<Shapes, SkipReason> {
-        let allowed = self.allowed.get(&links);
-        let of_links = self.filter.links(links);
-        let others = self.shapes_of(b);
-        let all = self.shapes_of(a).into_iter().flat_map(|own| others.iter().map(move |other| [own, *other]));
-        let skipped = all.filter_map(|shapes @ [own, other]| match allowed {
-            Some(true) => Some((shapes, SkipReason::Allowed)),
-            Some(false) if a != b => None,
-            _ => Some((shapes, self.filter.collisions(of_links, [[a, own], [b, other]])?)),
-        });
-        skipped.collect()
-    }
-
     /// Pairs and geometry that are not tested, with reasons. A pair of links is listed once if one
     /// reason holds for all its geoms; else, each pair of geoms is. O(p) for p pairs of geoms.
     pub fn skipped(&self) -> Vec<Skipped> {
-        let mut found = self.skipped_geometry.clone();
-        for links @ [a, b] in self.pairs_of_links().filter(|[a, b]| a != b) {
-            let skipped = self.skipped_shapes(links);
-            let names = links.map(|link| self.links[link].clone());
-            let reasons: BTreeSet<SkipReason> = skipped.values().copied().collect();
-            match reasons.first() {
-                Some(&reason)
-                    if reasons.len() == 1 && skipped.len() == self.shapes_of(a).len() * self.shapes_of(b).len() =>
-                {
-                    found.push(Skipped::Pair { links: names, geoms: None, reason });
-                }
-                _ => found.extend(skipped.into_iter().map(|([own, other], reason)| {
-                    let geoms = Some([self.geoms[a][own].clone(), self.geoms[b][other].clone()]);
-                    Skipped::Pair { links: names.clone(), geoms, reason }
-                })),
-            }
-        }
+        let mut found: Vec<Skipped> = self.filter.skipped(&self.allowed).collect();
         let is_obstacle = |pair: &[usize; 2]| pair[1] >= self.links.len() && !self.of_link[pair[0]].is_empty();
         let allowed = self.allowed.iter().filter(|(pair, is_allowed)| **is_allowed && is_obstacle(pair));
         found.extend(allowed.map(|(pair, _)| {
@@ -185,7 +140,7 @@ impl Robot {
     pub fn strict(self) -> Result<Self, PlanningError> {
         let disabled = self.filter.is_disabled().then(|| SkipReason::Disabled.to_string());
         let causes: Vec<String> =
-            disabled.into_iter().chain(self.skipped_geometry.iter().map(Skipped::to_string)).collect();
+            disabled.into_iter().chain(self.filter.untested().map(|own| own.to_string())).collect();
         if causes.is_empty() { Ok(self) } else { Err(PlanningError::Untested { file: self.file, causes }) }
     }
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use hullmap::Pose;
-use hullmap_robot::{CollisionFilter, Description, Frame, Geometry, Link, MeshUse, Places, Shape};
+use hullmap_robot::{CollisionFilter, Description, Frame, Geometry, MeshUse, Places, Shape};
 
 use crate::convex::{self, Convex};
 use crate::error::PlanningError;
@@ -16,7 +16,6 @@ use crate::memory::{EdgeMemory, Memory};
 use crate::meshes::Packs;
 use crate::obstacle::{Obstacle, Placed};
 use crate::queries::{Caches, Other, Pairing};
-use crate::skipped::{Skipped, named};
 
 const MAX_POSITION: f64 = 1e15;
 
@@ -100,13 +99,11 @@ pub struct Robot {
     pub(crate) bodies: Arc<Vec<Body>>,
     pub(crate) file: PathBuf,
     pub(crate) of_link: Vec<Range<usize>>,
-    pub(crate) geoms: Vec<Vec<String>>,
     /// A ball around each link, in its frame.
     balls: Vec<(DVec3, f64)>,
     pub(crate) filter: CollisionFilter,
     /// Whether pairs of colliders may collide, where that is not for the filter to decide.
     pub(crate) allowed: BTreeMap<[usize; 2], bool>,
-    pub(crate) skipped_geometry: Vec<Skipped>,
     pub(crate) obstacles: Vec<Placed>,
     pub(crate) pairs: Vec<BodyPair>,
     pub(crate) couples: Vec<Couple>,
@@ -138,20 +135,19 @@ impl Robot {
     ) -> Result<Self, PlanningError> {
         let chain = &description.chain;
         let kinematics = Kinematics::new(chain);
-        let (mut bodies, mut of_link, mut skipped_geometry) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut bodies, mut of_link) = (Vec::new(), Vec::new());
         for (index, link) in description.links.iter().enumerate() {
             let first = bodies.len();
             for (at, shape) in link.collisions.iter().enumerate() {
+                if matches!(shape.geometry, Geometry::Other(_)) {
+                    continue;
+                }
                 let fault = |cause: String| PlanningError::Collision {
                     file: description.documents[shape.document].path().to_owned(),
                     line: shape.line,
                     link: link.name.clone(),
                     cause,
                 };
-                if let Geometry::Other(cause) = &shape.geometry {
-                    skipped_geometry.push(untested(link, shape, cause));
-                    continue;
-                }
                 let in_link =
                     shape.pose.ok_or_else(|| fault("its pose is not known; state it by numbers".to_owned()))?;
                 let shapes = convex_shapes(shape, &mut hulls).map_err(fault)?;
@@ -159,18 +155,12 @@ impl Robot {
             }
             of_link.push(first..bodies.len());
         }
-        skipped_geometry.extend(description.unread.iter().map(|unread| Skipped::Geometry {
-            link: None,
-            geom: unread.element.clone(),
-            line: unread.line,
-            cause: unread.reason.to_owned(),
-        }));
         let joints = kinematics.variables().iter().map(|&joint| {
             let joint = &chain.joints[joint];
             let is_slider = joint.motion == hullmap_robot::Motion::Slide;
             JointFacts { name: joint.name.clone(), limits: joint.limits, neutral: joint.neutral, is_slider }
         });
-        let geoms = |link: &Link| link.collisions.iter().map(|shape| named(&shape.name, shape.line)).collect();
+        let filter = CollisionFilter::new(description);
         let mut robot = Self {
             links: description.links.iter().map(|link| link.name.clone()).collect(),
             joints: joints.collect(),
@@ -179,16 +169,14 @@ impl Robot {
             bodies: Arc::new(bodies),
             file: description.path().to_owned(),
             of_link,
-            geoms: description.links.iter().map(geoms).collect(),
-            filter: CollisionFilter::new(description),
             allowed: BTreeMap::new(),
             notes: [&description.warnings, &chain.warnings, &chain.notes]
                 .into_iter()
                 .flatten()
                 .cloned()
-                .chain(skipped_geometry.iter().map(Skipped::to_string))
+                .chain(filter.untested().map(|own| own.to_string()))
                 .collect(),
-            skipped_geometry,
+            filter,
             obstacles: Vec::new(),
             pairs: Vec::new(),
             couples: Vec::new(),
@@ -441,11 +429,6 @@ fn convex_shapes(
         }
         Geometry::Other(cause) => Err(cause.clone()),
     }
-}
-
-fn untested(link: &Link, shape: &Shape, cause: &str) -> Skipped {
-    let geom = named(&shape.name, shape.line);
-    Skipped::Geometry { link: Some(link.name.clone()), geom, line: shape.line, cause: cause.to_owned() }
 }
 
 /// A ball around the bodies of a link, in its frame.

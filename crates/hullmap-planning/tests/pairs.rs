@@ -171,6 +171,34 @@ fn only_direct_neighbours_are_left_out_of_urdf() {
     assert!(arm.in_collision_at(&poses, 0.0, &mut memory).unwrap());
 }
 
+/// `c` and `d` are one rigid body, but only `d` is joined to `f`, in a nested model. Joints to the
+/// world make no neighbours.
+#[test]
+fn only_direct_neighbours_are_left_out_of_sdf() {
+    let link = |name: &str| {
+        let ball = "<geometry><sphere><radius>1</radius></sphere></geometry>";
+        format!("<link name='{name}'><collision name='{name}'>{ball}</collision></link>")
+    };
+    let joint = |kind: &str, parent: &str, child: &str| {
+        let ends = format!("<parent>{parent}</parent><child>{child}</child><axis><xyz>0 0 1</xyz></axis>");
+        format!("<joint name='{parent}{child}' type='{kind}'>{ends}</joint>").replacen("::", "_", 1)
+    };
+    for self_collide in ["", "<self_collide>true</self_collide>", "<self_collide>false</self_collide>"] {
+        let model = ["a", "b", "c", "d", "e", "g"].map(link).concat()
+            + &format!("<model name='n'>{}</model>", link("f"))
+            + &joint("revolute", "a", "b")
+            + &joint("prismatic", "b", "c")
+            + &joint("fixed", "c", "d")
+            + &joint("ball", "d", "n::f")
+            + &joint("prismatic", "world", "e")
+            + &joint("fixed", "world", "g");
+        let own = robot("m.sdf", &format!("<sdf version='1.9'><model name='m'>{self_collide}{model}</model></sdf>"));
+        let [tested, skipped] = pairs(&own).map(|text| text.replace("m::", "").replace("n::", ""));
+        assert_eq!(tested, "ac ad ae ag af bd be bg bf ce cg cf de dg eg ef gf");
+        assert_eq!(skipped, format!("ab: {ADJACENT}; bc: {ADJACENT}; cd: {RIGID}; df: {ADJACENT}"));
+    }
+}
+
 #[test]
 fn the_matrix_overrides_the_filter() {
     let text = mjcf("<b 'a'><j/><g contype='0'/><b 'b'><j/><g/><b 'c'><g/></b></b></b>", "");

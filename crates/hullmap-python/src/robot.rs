@@ -210,15 +210,7 @@ impl Robot {
 
     /// The pairs that are not tested: names of links, names of geoms, and the reason.
     fn skipped(&self) -> Vec<(Vec<String>, Vec<String>, String)> {
-        let row = |skipped| match skipped {
-            Skipped::Pair { links, geoms, reason } => {
-                (links.to_vec(), geoms.map(Vec::from).unwrap_or_default(), reason.to_string())
-            }
-            Skipped::Geometry { link, geom, line, cause } => {
-                (link.into_iter().collect(), vec![geom], format!("line {line}: {cause}"))
-            }
-        };
-        self.robot.skipped().into_iter().map(row).collect()
+        self.robot.skipped().into_iter().map(Skipped::row).collect()
     }
 
     fn disallowing(&self, pairs: Vec<(String, String)>) -> PyResult<Self> {

@@ -12,10 +12,11 @@
 //! # Reference
 //! <https://mujoco.readthedocs.io/en/stable/computation/index.html#selection>
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-use crate::description::{Description, Format, Link};
+use crate::description::{Change, Description, Format, Geometry, Link, Shape, Unread};
+use crate::skipped::{Skipped, named};
 
 /// Why a pair is not tested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -57,9 +58,34 @@ impl fmt::Display for SkipReason {
     }
 }
 
+/// A collision of a link.
+#[derive(Clone, Debug)]
+struct Collision {
+    /// Its name in lists.
+    name: String,
+    line: u32,
+    /// `contype` and `conaffinity`.
+    masks: [i32; 2],
+    /// Why it has no shape that can be queried.
+    cause: Option<String>,
+    is_removed: bool,
+}
+
+impl Collision {
+    fn new(shape: &Shape) -> Self {
+        let Shape { line, contact_bits: masks, .. } = *shape;
+        let cause = match &shape.geometry {
+            Geometry::Other(cause) => Some(cause.clone()),
+            Geometry::Mesh(_) | Geometry::Primitive(_) => None,
+        };
+        Self { name: named(&shape.name, line), line, masks, cause, is_removed: false }
+    }
+}
+
 /// The collision filter of a description.
 #[derive(Clone, Debug)]
 pub struct CollisionFilter {
+    names: Vec<String>,
     /// For each link, the root of the links that it is rigidly connected to.
     rigid: Vec<usize>,
     /// In MJCF the same, since rigidly connected bodies have one parent; otherwise, the link.
@@ -73,8 +99,9 @@ pub struct CollisionFilter {
     excluded: BTreeSet<[usize; 2]>,
     /// In both orders.
     paired: BTreeSet<[[usize; 2]; 2]>,
-    /// `contype` and `conaffinity` of each collision.
-    masks: Vec<Vec<[i32; 2]>>,
+    /// The collisions of each link.
+    collisions: Vec<Vec<Collision>>,
+    unread: Vec<Unread>,
     tests_parents: bool,
     is_disabled: bool,
 }
@@ -87,8 +114,9 @@ impl CollisionFilter {
         let rigid = chain.rigid();
         let group = if is_mjcf { rigid.clone() } else { (0..rigid.len()).collect() };
         let moved: BTreeSet<usize> = chain.joints.iter().map(|joint| joint.link).collect();
-        let masks = |link: &Link| link.collisions.iter().map(|shape| shape.contact_bits).collect();
+        let collisions = |link: &Link| link.collisions.iter().map(Collision::new).collect();
         Self {
+            names: description.links.iter().map(|link| link.name.clone()).collect(),
             parent: group.iter().map(|&own| chain.links[own].parent.map(|parent| group[parent])).collect(),
             group,
             is_world: chain.links.iter().map(|link| link.is_world).collect(),
@@ -97,7 +125,8 @@ impl CollisionFilter {
             robots: chain.robots(),
             excluded: contacts.excluded.iter().map(|[a, b]| [*a.min(b), *a.max(b)]).collect(),
             paired: contacts.paired.iter().flat_map(|&[a, b]| [[a, b], [b, a]]).collect(),
-            masks: description.links.iter().map(masks).collect(),
+            collisions: description.links.iter().map(collisions).collect(),
+            unread: description.unread.clone(),
             tests_parents: contacts.tests_parents,
             is_disabled: contacts.is_disabled,
         }
@@ -121,14 +150,100 @@ impl CollisionFilter {
         }
     }
 
-    /// Why two collisions are not tested. Each is a link, and an index of its collisions. `links`
-    /// is the reason for the two links, from [`links`](Self::links).
-    pub fn collisions(&self, links: Option<SkipReason>, [a, b]: [[usize; 2]; 2]) -> Option<SkipReason> {
-        if !self.is_disabled && self.paired.contains(&[a, b]) {
-            return None;
+    /// Why two collisions are not tested. Each is a link, and an index of its collisions. `allowed`
+    /// is the entry of an allowed collision matrix for the two links, which overrides the filter.
+    /// `links` is the reason for them, from [`links`](Self::links).
+    pub fn collisions(
+        &self,
+        allowed: Option<bool>,
+        links: Option<SkipReason>,
+        [a, b]: [[usize; 2]; 2],
+    ) -> Option<SkipReason> {
+        match allowed {
+            Some(true) => return Some(SkipReason::Allowed),
+            Some(false) if a[0] != b[0] => return None,
+            _ if !self.is_disabled && self.paired.contains(&[a, b]) => return None,
+            _ => {}
         }
-        let [mask_a, mask_b] = [a, b].map(|[link, index]| self.masks[link][index]);
+        let [mask_a, mask_b] = [a, b].map(|[link, index]| self.collisions[link][index].masks);
         links.or((!masks_match(mask_a, mask_b)).then_some(SkipReason::Masks))
+    }
+
+    /// Follows changes of the collisions of the description.
+    pub fn change(&mut self, changes: &[Change], description: &Description) {
+        for change in changes {
+            match change {
+                Change::Remove { link, collision } => self.collisions[*link][*collision].is_removed = true,
+                Change::FromVisual { link, visual, .. } => {
+                    let visual = Collision::new(&description.links[*link].visuals[*visual]);
+                    // A geom that was only drawn collides with everything now.
+                    self.collisions[*link].push(Collision { masks: [1, 1], ..visual });
+                }
+                Change::Replace { .. } | Change::Inertia { .. } | Change::Exclude { .. } => {}
+            }
+        }
+    }
+
+    /// Geometry without a shape that can be queried.
+    pub fn untested(&self) -> impl Iterator<Item = Skipped> {
+        let of_link = |(own, link): (&'_ Vec<Collision>, &'_ String)| {
+            let kept = own.iter().filter(|own| !own.is_removed);
+            let geometry = |own: &Collision| {
+                let (link, geom, line) = (Some(link.clone()), own.name.clone(), own.line);
+                Some(Skipped::Geometry { link, geom, line, cause: own.cause.clone()? })
+            };
+            kept.filter_map(geometry).collect::<Vec<_>>()
+        };
+        let unread = self.unread.iter().map(|own| Skipped::Geometry {
+            link: None,
+            geom: own.element.clone(),
+            line: own.line,
+            cause: own.reason.to_owned(),
+        });
+        self.collisions.iter().zip(&self.names).flat_map(of_link).chain(unread)
+    }
+
+    fn testable(&self, link: usize) -> impl Iterator<Item = usize> + Clone {
+        self.collisions[link]
+            .iter()
+            .enumerate()
+            .filter(|(_, own)| own.cause.is_none() && !own.is_removed)
+            .map(|(index, _)| index)
+    }
+
+    /// Pairs of links with shapes, the lower link first. A link is its own partner only if MJCF
+    /// pairs its geoms.
+    pub fn pairs_of_links(&self) -> impl Iterator<Item = [usize; 2]> {
+        let links = (0..self.names.len()).filter(|link| self.testable(*link).next().is_some());
+        links
+            .clone()
+            .flat_map(move |a| links.clone().filter(move |b| a <= *b).map(move |b| [a, b]))
+            .filter(|[a, b]| a != b || self.pairs_within(*a))
+    }
+
+    /// Geometry and pairs that are not tested, with reasons. A pair of links is listed once if one
+    /// reason holds for all its geoms; else, each pair of geoms is. `allowed` is an allowed collision
+    /// matrix, the lower link first. O(p) for p pairs of geoms.
+    pub fn skipped(&self, allowed: &BTreeMap<[usize; 2], bool>) -> impl Iterator<Item = Skipped> {
+        let pairs = self.pairs_of_links().filter(|[a, b]| a != b);
+        let pairs = pairs.flat_map(|links| self.skipped_pairs(links, allowed.get(&links).copied()));
+        self.untested().chain(pairs)
+    }
+
+    fn skipped_pairs(&self, links @ [a, b]: [usize; 2], allowed: Option<bool>) -> impl Iterator<Item = Skipped> {
+        let of_links = self.links(links);
+        let all = self.testable(a).flat_map(move |own| self.testable(b).map(move |other| [[a, own], [b, other]]));
+        let reasons = all.map(move |pair| (pair, self.collisions(allowed, of_links, pair)));
+        let first = reasons.clone().find_map(|(_, reason)| reason);
+        let is_one = first.is_some() && reasons.clone().all(|(_, reason)| reason == first);
+        let skipped =
+            move |geoms, reason| Skipped::Pair { links: links.map(|link| self.names[link].clone()), geoms, reason };
+        let whole = first.filter(|_| is_one).map(|reason| skipped(None, reason));
+        let each = reasons.take(if is_one { 0 } else { usize::MAX }).filter_map(move |(pair, reason)| {
+            let geoms = pair.map(|[link, index]| self.collisions[link][index].name.clone());
+            Some(skipped(Some(geoms), reason?))
+        });
+        whole.into_iter().chain(each)
     }
 
     /// Whether nothing is tested.
@@ -137,7 +252,7 @@ impl CollisionFilter {
     }
 
     /// Whether geoms of one link are tested against each other: MJCF may name them as a `pair`.
-    pub fn pairs_within(&self, link: usize) -> bool {
+    fn pairs_within(&self, link: usize) -> bool {
         !self.is_disabled && self.paired.iter().any(|[a, b]| [a[0], b[0]] == [link; 2])
     }
 

@@ -14,7 +14,7 @@
 //! | `formats` | reading and editing in any format |
 //! | `urdf`, `sdf`, `mjcf` | one format each |
 //! | `chain`, `frame` | joints, and where they move links |
-//! | `collision_filter` | which pairs are tested |
+//! | `collision_filter`, `skipped` | which pairs are tested, and why others are not |
 //! | `primitive` | sizes of primitives |
 //! | `srdf` | pairs that MoveIt does not test |
 //! | `places` | from a name to a file |
@@ -55,6 +55,7 @@ mod mjcf;
 mod places;
 mod primitive;
 mod sdf;
+mod skipped;
 mod srdf;
 mod urdf;
 
@@ -70,4 +71,5 @@ pub use frame::Frame;
 pub use glam;
 pub use places::{InlineMesh, Places, Scheme, Unresolved, relative};
 pub use primitive::{NamedPrimitive, Primitive};
+pub use skipped::Skipped;
 pub use srdf::{DisabledPair, SRDF_FIRST_LINE, SrdfPairs, srdf, srdf_pairs};

@@ -4,7 +4,9 @@ use std::fs;
 
 use hullmap_outside::command::bake_line as run;
 use hullmap_outside::files::workspace;
-use serde_json::Value;
+use hullmap_planning::{Packs, Robot, Skipped};
+use hullmap_robot::Places;
+use serde_json::{Value, json};
 
 /// A folder with a copy of the robots, as a project.
 fn robots() -> tempfile::TempDir {
@@ -61,6 +63,26 @@ fn inertia_is_that_of_the_mesh_at_the_stated_mass() {
     for (name, expected) in [("mass", 2.0), ("ixx", ixx), ("iyy", iyy), ("ixz", ixz), ("ixy", 0.0)] {
         assert!((number(name)[0] - expected).abs() < 1e-7, "{name}: {left}");
     }
+}
+
+/// A planner that reads the output leaves out the same, apart from numbers of lines.
+#[test]
+fn skipped_is_what_a_planner_skips_in_the_output() {
+    let folder = robots();
+    let line = "in/crowd.urdf in/crowd.xml in/arm.urdf in/arm.xml in/arm.sdf --out out --json --from-visual";
+    let mut count = 0;
+    for visuals in ["missing", "always", "never"] {
+        for row in run(folder.path(), &format!("robot {line} {visuals}")).expect(0).json() {
+            let output = folder.path().join(row["output"].as_str().unwrap());
+            let robot = Robot::read(&output, &Places::beside(&output).unwrap(), &mut Packs::default()).unwrap();
+            let text = |value: Value| value.to_string().replace(|c: char| c.is_ascii_digit(), "");
+            let rows = robot.skipped().into_iter().map(Skipped::row);
+            let expected = rows.map(|(links, geoms, reason)| json!({"links": links, "geoms": geoms, "reason": reason}));
+            assert_eq!(text(row["skipped"].clone()), text(expected.collect()), "{output:?} {visuals}");
+            count += robot.skipped().len();
+        }
+    }
+    assert!(count > 30, "the sample is not representative: {count}");
 }
 
 /// The text of a section of a report page, without its tags.

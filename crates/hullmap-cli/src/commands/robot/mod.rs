@@ -30,7 +30,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use hullmap_robot::{
-    Change, Description, Format, Geometry, Link, Places, RobotError, SRDF_FIRST_LINE, Scheme, escaped, relative,
+    Change, Description, Format, Geometry, Link, Places, RobotError, SRDF_FIRST_LINE, Scheme, Skipped, escaped,
+    relative,
 };
 
 use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs, reason_of_robots};
@@ -52,7 +53,7 @@ use hullmap_pipeline::runner::rows as build_rows;
 use hulls::{Fault, Hulls, read_hulls};
 use meshes::Meshes;
 use pairs::{Pairs, Sampling};
-use rows::{Collision, ExcludedPair, Row, Status};
+use rows::{Collision, ExcludedPair, Row, SkippedRow, Status};
 use target::Target;
 
 struct Robot {
@@ -253,6 +254,12 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
     let read = choices.hulls.iter().map(|own| read_hulls(&choices.jobs, own, &mut meshes));
     let mut hulls: Vec<Hulls> = read.collect::<Result<_, _>>()?;
     let mut changes = changes(&description, &target, &choices, &hulls, row)?;
+    if args.run.json {
+        let (skipped, note) = pairs::skipped(&description, &changes);
+        let rows = skipped.into_iter().map(Skipped::row);
+        row.skipped = Some(rows.map(|(links, geoms, reason)| SkippedRow { links, geoms, reason }).collect());
+        row.notes.extend(note);
+    }
     if args.inertia {
         changes.extend(inertias(&description, &choices, &hulls, row));
     }
@@ -342,7 +349,6 @@ fn exclude(
     row: &mut Row,
 ) -> Result<Option<files::Output>, Failure> {
     row.excluded_pairs = Some(pairs.excluded.iter().map(|pair| ExcludedPair::new(pair, description)).collect());
-    row.skipped_pairs = Some(pairs.skipped.iter().map(|pair| ExcludedPair::new(pair, description)).collect());
     row.notes.push(format!("{} pairs of links are excluded. {}", pairs.excluded.len(), pairs.in_words()));
     if description.format != Format::Urdf {
         return Ok(None);

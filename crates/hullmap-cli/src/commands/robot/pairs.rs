@@ -1,6 +1,10 @@
+use std::collections::BTreeMap;
+
 use hullmap_planning::{Convex, hulls as hulls_of, shape_of_primitive};
 use hullmap_report::robot::{Excluded, Touching};
-use hullmap_robot::{Change, CollisionFilter, Description, DisabledPair, Format, Frame, Geometry, Shape, srdf};
+use hullmap_robot::{
+    Change, CollisionFilter, Description, DisabledPair, Format, Frame, Geometry, Shape, Skipped, srdf,
+};
 use rayon::prelude::*;
 
 use super::bodies::Piece;
@@ -10,8 +14,14 @@ use super::meshes::Meshes;
 use super::sampling::{Seen, sample};
 use super::touching::Bodies;
 
-/// Maximum number of links whose pairs are tested.
+/// Maximum number of links whose pairs are tested and listed.
 const MAX_LINKS: usize = 1500;
+
+/// Maximum number of collisions and visuals of a robot whose pairs are listed.
+const MAX_SHAPES: usize = 10_000;
+
+/// Maximum length of a list of what is not tested.
+const MAX_SKIPPED: usize = 100_000;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Sampling {
@@ -27,7 +37,6 @@ pub struct Pairs {
     pub touching: Vec<Touching>,
     /// Pairs to exclude.
     pub excluded: Vec<Excluded>,
-    pub skipped: Vec<Excluded>,
     neutral: Vec<Frame>,
     sampling: Sampling,
     format: Format,
@@ -68,11 +77,9 @@ impl Pairs {
             let reason = reason(description.format, pair, *seen)?;
             Some(Excluded { links: pair.links, reason })
         };
-        let skipped = |&links: &[usize; 2]| Some(Excluded { links, reason: filter.links(links)?.in_words() });
-        let skipped = all.iter().filter_map(skipped).collect();
         let excluded = tested.iter().zip(&seen).filter_map(reason).collect();
         let touching = tested.into_iter().filter(|pair| pair.touches != [false, false]).collect();
-        Self { before, after, touching, excluded, skipped, neutral, sampling, format: description.format, is_cut }
+        Self { before, after, touching, excluded, neutral, sampling, format: description.format, is_cut }
     }
 
     pub fn neutral(&self) -> &[Frame] {
@@ -106,6 +113,25 @@ impl Pairs {
         let pairs: Vec<DisabledPair> = self.excluded.iter().map(pair).collect();
         srdf(&description.name, &self.in_words(), &pairs)
     }
+}
+
+/// The list of what is not tested after these changes, and a note if it is cut.
+pub fn skipped(description: &Description, changes: &[Change]) -> (Vec<Skipped>, Option<String>) {
+    let mut filter = CollisionFilter::new(description);
+    filter.change(changes, description);
+    let shapes: usize = description.links.iter().map(|link| link.collisions.len() + link.visuals.len()).sum();
+    let is_listed = description.links.len() <= MAX_LINKS && shapes <= MAX_SHAPES;
+    let allowed = BTreeMap::new();
+    let all: Box<dyn Iterator<Item = Skipped>> =
+        if is_listed { Box::new(filter.skipped(&allowed)) } else { Box::new(filter.untested()) };
+    let mut skipped: Vec<Skipped> = all.take(MAX_SKIPPED + 1).collect();
+    let cut = if !is_listed {
+        Some(format!("no pairs: the description has more than {MAX_LINKS} links, or {MAX_SHAPES} shapes"))
+    } else {
+        (skipped.len() > MAX_SKIPPED).then(|| format!("only the first {MAX_SKIPPED} entries"))
+    };
+    skipped.truncate(MAX_SKIPPED);
+    (skipped, cut.map(|cut| format!("`skipped` has {cut}")))
 }
 
 /// MuJoCo does not test neighbours, and skips distant pairs by their boxes. Excluding pairs that

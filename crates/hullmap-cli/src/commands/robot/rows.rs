@@ -33,8 +33,9 @@ pub struct Row {
     pub collisions: Vec<Collision>,
     /// Pairs of links whose contacts are excluded, with `--exclude-pairs`.
     pub excluded_pairs: Option<Vec<ExcludedPair>>,
-    /// Pairs of links that are not tested even without `--exclude-pairs`, with that option.
-    pub skipped_pairs: Option<Vec<ExcludedPair>>,
+    /// Pairs and geometry that are not tested, even without `--exclude-pairs`; `None` if the
+    /// collisions are not known.
+    pub skipped: Option<Vec<SkippedRow>>,
     pub notes: Vec<String>,
     pub warnings: Vec<String>,
     pub errors: Vec<String>,
@@ -66,8 +67,16 @@ pub struct Collision {
 #[derive(Debug, Serialize)]
 pub struct ExcludedPair {
     pub links: [String; 2],
-    /// `Adjacent`, `Default`, `Always` or `Never` for excluded pairs; words for skipped ones.
+    /// `Adjacent`, `Default`, `Always` or `Never`.
     pub reason: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+pub struct SkippedRow {
+    pub links: Vec<String>,
+    /// Empty for all geoms of the links.
+    pub geoms: Vec<String>,
+    pub reason: String,
 }
 
 impl ExcludedPair {
@@ -88,7 +97,7 @@ impl Row {
             baked: 0,
             collisions: Vec::new(),
             excluded_pairs: None,
-            skipped_pairs: None,
+            skipped: None,
             notes: Vec::new(),
             warnings: Vec::new(),
             errors: Vec::new(),

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use hullmap_robot::SkipReason;
+use crate::collision_filter::SkipReason;
 
 /// A pair or a geometry that is not tested.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -27,6 +27,20 @@ pub enum Skipped {
         /// Why it is not tested.
         cause: String,
     },
+}
+
+impl Skipped {
+    /// The names of its links and of its geoms, and the reason: a row of a list.
+    pub fn row(self) -> (Vec<String>, Vec<String>, String) {
+        match self {
+            Self::Pair { links, geoms, reason } => {
+                (links.into(), geoms.map(Vec::from).unwrap_or_default(), reason.to_string())
+            }
+            Self::Geometry { link, geom, line, cause } => {
+                (link.into_iter().collect(), vec![geom], format!("line {line}: {cause}"))
+            }
+        }
+    }
 }
 
 impl fmt::Display for Skipped {
