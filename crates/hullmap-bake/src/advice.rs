@@ -338,6 +338,9 @@ pub fn openings(name: &str, share: f64) -> Option<Remark> {
     })
 }
 
+/// Words of the warning about reversed triangles, and of no other.
+pub const REVERSED: &str = "the other way than the triangles beside";
+
 /// Warning about a closed mesh without a known mass, because some triangles are reversed.
 pub fn reversed(mesh: &PointSet) -> Option<Remark> {
     let (reversed, is_closed) = fit::reversed(mesh);
@@ -349,8 +352,7 @@ pub fn reversed(mesh: &PointSet) -> Option<Remark> {
         count => format!("{} triangles are reversed, the first is {first} (at {at}): they face", grouped(count as u64)),
     };
     let text = format!(
-        "{name}: {found} the other way than the triangles beside, so the mass of the mesh is not recorded; recalculate \
-         the normals in an editor"
+        "{name}: {found} {REVERSED}, so the mass of the mesh is not recorded; recalculate the normals in an editor"
     );
     Some(Remark { weight: reversed.len() as f64, ..Remark::warning("reversed triangles", name, text) })
 }

@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::args::InspectArgs;
 use crate::table::shortest;
 use crate::terminal::{self, Output};
+use hullmap_bake::advice::REVERSED;
 use hullmap_bake::parts::estimates::MirrorPlane;
 use hullmap_geometry::number::{grouped, rounded};
 use hullmap_pipeline::mesh_file::body::BodyPrimitive;
@@ -221,9 +222,7 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
             let centroid = centroid.map(rounded).join(" ");
             out.line(format_args!("  mesh               volume {}, centre of mass {centroid}", rounded(volume)))?;
         } else if hull.part == 0 {
-            let is_closed = hull.solid == Some(SolidKind::Watertight.as_str());
-            let or_open = if is_closed { "" } else { "it is open, or " };
-            out.line(format_args!("  mesh               mass unknown: {or_open}some triangles are reversed"))?;
+            out.line(format_args!("  mesh               mass unknown: {}", no_mass(report, hull)))?;
         }
         if hull.part_count > 0 {
             write_part(hull, reachable.as_deref(), out)?;
@@ -241,6 +240,21 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
         ))?;
     }
     Ok(())
+}
+
+/// Why the mass of the first part's mesh is unknown. Builds warn of reversed triangles, and name
+/// only some meshes if there are many.
+fn no_mass(report: &PackDescription, hull: &HullDescription) -> &'static str {
+    let mut reversed = report.warnings.iter().filter(|warning| warning.contains(REVERSED)).peekable();
+    let is_only_mesh = report.hulls.iter().filter(|hull| hull.part == 0).count() == 1;
+    let is_closed = hull.solid == Some(SolidKind::Watertight.as_str());
+    if reversed.peek().is_none() && !is_closed {
+        "the mesh encloses no volume"
+    } else if is_closed || is_only_mesh || reversed.any(|warning| warning.starts_with(&format!("{}: ", hull.name))) {
+        "some triangles are reversed"
+    } else {
+        "it is open, or some triangles are reversed"
+    }
 }
 
 fn write_part(hull: &HullDescription, reachable: Option<&str>, out: &mut Output) -> Result<(), Failure> {
