@@ -1,4 +1,5 @@
-//! Comments are narrow enough to read beside the code. Sentences start with their subject.
+//! Comments are narrow enough to read beside the code. Sentences start with their subject, and
+//! headings have a line of their own.
 
 use std::fs;
 
@@ -32,6 +33,15 @@ fn habit(prose: &str) -> Option<&'static str> {
     OPENINGS.iter().find(opens).or_else(|| WORDS.iter().find(has)).copied()
 }
 
+/// Headings of items.
+const HEADINGS: [&str; 6] = ["# Errors", "# Panics", "# Complexity", "# Examples", "# Safety", "# Reference"];
+
+/// Whether a comment has a heading on a line with other text: a reflow makes one paragraph of them.
+fn swallows_heading(line: &str) -> bool {
+    let text = line.trim_start().trim_start_matches(['/', '!']).trim();
+    HEADINGS.iter().any(|heading| text.contains(heading) && text != *heading)
+}
+
 /// Lines of tracked files that end so, outside of code blocks. Case files quote output.
 fn lines(ending: &str) -> Vec<(String, String)> {
     let files = tracked().into_iter().filter(|file| file.ends_with(ending) && !file.starts_with("tests/cases/"));
@@ -55,6 +65,14 @@ fn lines(ending: &str) -> Vec<(String, String)> {
 fn comment_lines_end_at_column_100() {
     let wide: Vec<_> = lines(".rs").into_iter().filter(|(_, line)| is_too_wide(line)).map(|(at, _)| at).collect();
     assert!(wide.is_empty(), "{} comment lines go past column {COMMENT_WIDTH}: {wide:#?}", wide.len());
+}
+
+#[test]
+fn headings_have_their_own_line() {
+    let found: Vec<_> = lines(".rs").into_iter().filter(|(_, line)| swallows_heading(line)).map(|(at, _)| at).collect();
+    assert!(found.is_empty(), "separate these headings from the text: {found:#?}");
+    let swallowed = ["/// # Complexity One descent", "    //! It fails. # Errors", "/// # Complexity"];
+    assert_eq!(swallowed.map(swallows_heading), [true, true, false]);
 }
 
 #[test]
