@@ -222,8 +222,8 @@ impl CollisionFilter {
     }
 
     /// Geometry and pairs that are not tested, with reasons. A pair of links is listed once if one
-    /// reason holds for all its geoms; else, each pair of geoms is. `allowed` is an allowed collision
-    /// matrix, the lower link first. O(p) for p pairs of geoms.
+    /// reason holds for all its geoms; else, each pair of geoms is. `allowed` is an allowed
+    /// collision matrix, the lower link first. O(p) for p pairs of geoms.
     pub fn skipped(&self, allowed: &BTreeMap<[usize; 2], bool>) -> impl Iterator<Item = Skipped> {
         let pairs = self.pairs_of_links().filter(|[a, b]| a != b);
         let pairs = pairs.flat_map(|links| self.skipped_pairs(links, allowed.get(&links).copied()));

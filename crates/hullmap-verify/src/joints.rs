@@ -10,7 +10,7 @@ const ROUNDING: f64 = 1e-12;
 
 const MAX_RAYS: usize = 2_000;
 
-/// What answers rays: [`hullmap::ray`], or in tests a function with wrong answers.
+/// A function that answers rays: [`hullmap::ray`], or in tests one with wrong answers.
 pub(crate) type Answer<'a> = dyn Fn(&Ray) -> RayHit + Sync + 'a;
 
 /// A ray, and a t at which it meets a surface exactly; infinite if none is known.
