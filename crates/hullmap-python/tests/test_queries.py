@@ -57,6 +57,45 @@ def test_support_points_maximise_the_dot_product(large):
     assert (large.vertices[found.vertex] == found.point.astype(np.float32)).all()
 
 
+def worst_regret(points, count, rng):
+    """The largest shortfall of support queries, relative to the diameter, near normals of faces."""
+    hull, points = hullmap.bake(points)[0], points.astype(float)
+    base = Body(hull).normals
+    if len(base) == 0:
+        base = np.cross(hull.vertices[1].astype(float) - hull.vertices[0], rng.normal(size=(64, 3)))
+        base /= np.linalg.norm(base, axis=1, keepdims=True)
+    base = np.concatenate((base, -base))
+    near = base[rng.integers(0, len(base), count)] + rng.normal(size=(count, 3)) * 10 ** -rng.uniform(7, 16, (count, 1))
+    dirs = np.concatenate((base, near))
+    # Differences of points are exact. Where a regret is small, so are the terms of its dot product.
+    losses = [((points - got) @ way).max() for way, got in zip(dirs, hull.support(dirs).point)]
+    diameter = np.linalg.norm(points[:, None] - points, axis=2).max()
+    return (losses / np.linalg.norm(dirs, axis=1)).max() / diameter
+
+
+@pytest.mark.filterwarnings("ignore::hullmap.BakeWarning")
+def test_worst_regrets_are_as_documented():
+    """The figures of docs/contributors/intervals.md, section 9, docs/limits.md and docs/contributors/FORMAT.md."""
+    rng, worst = np.random.default_rng(5), 0
+    for corners, tilt, slope in [(120, 2.5e-7, 0.3), (100, 6e-8, 0.1), (60, 1e-7, 0.1), (80, 6e-8, 1.0)]:
+        angles = np.arange(corners // 2) * 4 * np.pi / corners
+        rim = np.stack((np.cos(angles), np.sin(angles)), axis=1).astype(np.float32)
+        tilted = np.float32(tilt) * (rim[:, 0] + np.float32(slope) * rim[:, 1])
+        prism = np.concatenate([np.c_[rim, np.float32(z) + tilted] for z in (-1, 1)])
+        worst = max(worst, worst_regret(prism, 10_000, rng))
+    assert 3e-16 < worst <= 2.3e-15, worst
+    # Flat sets: one on which much is lost, and random ones.
+    slanted = [[-0.59, 17e-8, -13e-8], [-0.17, 5.2e-8, 6.3e-8], [0.53, -17e-8, 12e-8], [0.9, 3.5e-8, -15e-8], [-0.09, -16e-8, 6.9e-8]]
+    sets = [np.array(slanted)]
+    for axes in [1, 2] * 150:
+        sizes = np.ones(3)
+        sizes[3 - axes :] = 10 ** rng.uniform(-7.3, -6.6)
+        sets.append(rng.uniform(-1, 1, (rng.integers(4, 20), 3)) * sizes)
+    sets = [points.astype(np.float32) for points in sets]
+    flat = [worst_regret(points, 50, rng) for points in sets if hullmap.bake(points)[0].rank < 3]
+    assert len(flat) > 50 and 1.2e-7 < max(flat) <= 1.8e-7, (len(flat), max(flat))
+
+
 def test_rays_enter_where_the_planes_say(large):
     rng = np.random.default_rng(2)
     ways = rng.normal(size=(500, 3))
