@@ -13,50 +13,9 @@
 //! <https://mujoco.readthedocs.io/en/stable/computation/index.html#selection>
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt;
 
 use crate::description::{Change, Description, Format, Geometry, Link, Shape, Unread};
-use crate::skipped::{Skipped, named};
-
-/// Why a pair is not tested.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum SkipReason {
-    /// The two never move relative to each other.
-    RigidlyConnected,
-    /// A joint connects the two.
-    Adjacent,
-    /// Neither has degrees of freedom: static and mocap bodies of MJCF.
-    Immobile,
-    /// `contact` / `exclude` of MJCF.
-    Excluded,
-    /// `contype` and `conaffinity` of MJCF do not match.
-    Masks,
-    /// `option` / `flag` of MJCF disables all contacts.
-    Disabled,
-    /// The user or an SRDF file allows the collision.
-    Allowed,
-}
-
-impl SkipReason {
-    /// The reason in words.
-    pub fn in_words(self) -> &'static str {
-        match self {
-            Self::RigidlyConnected => "rigidly connected",
-            Self::Adjacent => "adjacent: connected by a joint",
-            Self::Immobile => "neither body has degrees of freedom",
-            Self::Excluded => "excluded by `exclude`",
-            Self::Masks => "`contype` and `conaffinity` do not match",
-            Self::Disabled => "contacts are disabled by `flag`",
-            Self::Allowed => "allowed",
-        }
-    }
-}
-
-impl fmt::Display for SkipReason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.in_words())
-    }
-}
+use crate::skipped::{SkipReason, Skipped, named};
 
 /// A collision of a link.
 #[derive(Clone, Debug)]

@@ -60,7 +60,7 @@ mod srdf;
 mod urdf;
 
 pub use chain::{COEFFICIENTS, Chain, Coupling, Displacement, Joint, Motion, Placement};
-pub use collision_filter::{CollisionFilter, SkipReason, masks_match};
+pub use collision_filter::{CollisionFilter, masks_match};
 pub use description::{
     Change, Contacts, Description, Format, Geometry, Link, MeshUse, Reference, Shape, Submesh, Unread,
 };
@@ -71,5 +71,5 @@ pub use frame::Frame;
 pub use glam;
 pub use places::{InlineMesh, Places, Scheme, Unresolved, relative};
 pub use primitive::{NamedPrimitive, Primitive};
-pub use skipped::Skipped;
+pub use skipped::{SkipReason, Skipped};
 pub use srdf::{DisabledPair, SRDF_FIRST_LINE, SrdfPairs, srdf, srdf_pairs};

@@ -2,7 +2,45 @@
 
 use std::fmt;
 
-use crate::collision_filter::SkipReason;
+/// Why a pair is not tested.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SkipReason {
+    /// The two never move relative to each other.
+    RigidlyConnected,
+    /// A joint connects the two.
+    Adjacent,
+    /// Neither has degrees of freedom: static and mocap bodies of MJCF.
+    Immobile,
+    /// `contact` / `exclude` of MJCF.
+    Excluded,
+    /// `contype` and `conaffinity` of MJCF do not match.
+    Masks,
+    /// `option` / `flag` of MJCF disables all contacts.
+    Disabled,
+    /// The user or an SRDF file allows the collision.
+    Allowed,
+}
+
+impl SkipReason {
+    /// The reason in words.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::RigidlyConnected => "rigidly connected",
+            Self::Adjacent => "adjacent: connected by a joint",
+            Self::Immobile => "neither body has degrees of freedom",
+            Self::Excluded => "excluded by `exclude`",
+            Self::Masks => "`contype` and `conaffinity` do not match",
+            Self::Disabled => "contacts are disabled by `flag`",
+            Self::Allowed => "allowed",
+        }
+    }
+}
+
+impl fmt::Display for SkipReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.in_words())
+    }
+}
 
 /// A pair or a geometry that is not tested.
 #[derive(Clone, Debug, PartialEq, Eq)]
