@@ -8,28 +8,28 @@ use hullmap::compound::{OneSided, SharedSheet};
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap::shapes::Sphere;
 use hullmap::{
-    Cache, CastSettings, HeightField, Motion, Pack, Pose, Ray, RayHit, SharedGeometry, Status, TriangleMesh,
+    Cache, CastSettings, Geometry, HeightField, Impact, Motion, Pack, Pose, Ray, RayHit, SharedGeometry, TriangleMesh,
 };
 use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{bytes, point_set};
-use hullmap_testkit::ray::{Fraction, Line, facets};
+use hullmap_testkit::ray::Line;
 use shapes::rng::SplitMix64;
 
-use super::tally::Tally;
+use super::hits::{Hits, Part, Query};
+use super::{stream, tally::Tally};
 
 /// Number of rays in a scene.
 const RAYS: u64 = 100;
 
-/// Surfaces in one scene.
-struct Joints {
-    sheets: Vec<SharedSheet>,
-    pack: Option<Arc<Pack>>,
-    triangles: Vec<[DVec3; 3]>,
-    /// Vertices of each part of the pack, and its facets.
-    parts: Vec<Vec<DVec3>>,
-    facets: Vec<Vec<[DVec3; 3]>>,
+/// Names of casts of points, on both sides and on fronts.
+const CASTS: [&str; 2] = ["cast", "cast on fronts"];
+
+/// A mesh, a height field or a pack.
+struct Surface {
+    geometry: SharedGeometry,
+    parts: Vec<Part>,
 }
 
 fn mesh(triangles: &[[DVec3; 3]]) -> TriangleMesh {
@@ -104,46 +104,49 @@ fn blocks(rng: &mut SplitMix64) -> Vec<Vec<DVec3>> {
     parts
 }
 
+impl Surface {
+    fn sheet(sheet: SharedSheet) -> Self {
+        let corners = |i| Some(Part::triangle(&sheet.triangle(i)?.corners()));
+        let parts = (0..sheet.triangle_count()).map(|i| corners(i).expect("no holes")).collect();
+        Self { geometry: SharedGeometry::Sheet(sheet), parts }
+    }
+
+    fn pack(blocks: &[Vec<DVec3>]) -> Self {
+        let points = |part: &Vec<DVec3>| part.iter().map(|p| p.as_vec3().to_array()).collect::<Vec<_>>();
+        let sets: Vec<_> = blocks.iter().map(|part| point_set("part", &points(part))).collect();
+        let file = bytes(&sets, IndexKind::Tree, &SourceRecord::default()).expect("a pack");
+        let pack = Arc::new(Pack::from_bytes(&file).expect("the pack is valid"));
+        let parts = pack.hulls().map(|hull| Part::hull(hull.vertices().map(|v| v.as_dvec3()).collect())).collect();
+        Self { geometry: SharedGeometry::Compound(pack), parts }
+    }
+}
+
+/// The surfaces of one scene.
+struct Joints(Vec<Surface>);
+
 impl Joints {
     fn new(rng: &mut SplitMix64) -> Self {
-        let mut own =
-            Self { sheets: Vec::new(), pack: None, triangles: Vec::new(), parts: Vec::new(), facets: Vec::new() };
+        let mut surfaces = Vec::new();
         let kind = rng.below(6);
         if kind < 4 {
             let near = if kind == 1 { Vec::new() } else { ground(rng) };
-            own.sheets.push(SharedSheet::Mesh(Arc::new(mesh(&[near, floor(-20.0)].concat()))));
+            surfaces.push(Surface::sheet(SharedSheet::Mesh(Arc::new(mesh(&[near, floor(-20.0)].concat())))));
         }
         if kind == 1 || kind == 2 {
-            own.sheets.push(SharedSheet::Field(Arc::new(field(rng))));
+            surfaces.push(Surface::sheet(SharedSheet::Field(Arc::new(field(rng)))));
         }
         if kind > 2 {
-            let sets: Vec<_> = blocks(rng)
-                .iter()
-                .map(|part| point_set("part", &part.iter().map(|p| p.as_vec3().to_array()).collect::<Vec<_>>()))
-                .collect();
-            let file = bytes(&sets, IndexKind::Tree, &SourceRecord::default()).expect("a pack");
-            own.pack = Some(Arc::new(Pack::from_bytes(&file).expect("the pack is valid")));
+            surfaces.push(Surface::pack(&blocks(rng)));
         }
-        let of_sheet = |sheet: &SharedSheet| {
-            let corners = |i| Some(sheet.triangle(i)?.corners());
-            (0..sheet.triangle_count()).filter_map(corners).collect::<Vec<_>>()
-        };
-        own.triangles = own.sheets.iter().flat_map(of_sheet).collect();
-        let hulls = own.pack.iter().flat_map(|pack| (0..pack.hull_count()).filter_map(|i| pack.hull(i).ok()));
-        own.parts = hulls.map(|hull| hull.vertices().map(|v| v.as_dvec3()).collect()).collect();
-        own.facets = own.parts.iter().map(|part| facets(part)).collect();
-        own
+        Self(surfaces)
     }
 
     /// The corners of a random triangle, or three vertices of a part.
     fn corners(&self, rng: &mut SplitMix64) -> [DVec3; 3] {
-        let at = rng.below(self.triangles.len() + 2 * self.parts.len());
-        if let Some(triangle) = self.triangles.get(at) {
-            return *triangle;
-        }
-        let part = &self.parts[(at - self.triangles.len()) / 2];
+        let surface = &self.0[rng.below(self.0.len())];
+        let part = surface.parts[rng.below(surface.parts.len())].vertices();
         let first = rng.below(part.len());
-        [0, 1, 2].map(|i| part[(first + i * (1 + rng.below(2))) % part.len()])
+        [0, 1, 2].map(|i| part[(first + i * (1 + rng.below(2) * (part.len() / 4))) % part.len()])
     }
 
     /// A ray at a vertex, an edge or a seam.
@@ -183,102 +186,74 @@ impl Joints {
 }
 
 impl Tally {
-    /// Judges rays of the scene of joints with this index.
+    /// Judges rays of the scene of joints with this index: each surface by itself, which is more
+    /// than the nearest one alone.
     pub fn judge_joints(&mut self, seed: u64, index: u64) {
-        let mut rng = SplitMix64::new(seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let mut rng = stream(seed, index);
         let joints = Joints::new(&mut rng);
         for round in 0..RAYS {
             let ([origin, direction], max_t) = joints.ray(&mut rng);
             let Ok(ray) = Ray::new(origin, direction) else { continue };
             let settings = CastSettings { max_t, ..CastSettings::default() };
-            let is_one_sided = joints.parts.is_empty() && rng.below(4) == 0;
             let line = Line::new(origin, direction, max_t);
-            let (truth, count) = joints.truth(&line, is_one_sided);
-            let outcome = match (&truth, count) {
-                (None, _) => "miss",
-                (Some(_), 1) => "one",
-                _ => "several",
-            };
-            *self.counts.entry((if joints.pack.is_some() { "seam" } else { "edge" }, outcome)).or_default() += 1;
-            let mut answers = joints.answers(&ray, &settings, is_one_sided);
-            if !is_one_sided {
-                answers.extend(joints.casts(&ray, &settings));
-            }
-            // All of a kind: the nearest surface of the scene. Two may be within rounding error.
-            for (of_kind, is_ray) in answers.into_iter().zip([true, false, false]) {
-                let t_lower = of_kind.iter().map(|found| found.t_lower).fold(f64::INFINITY, f64::min);
-                let nearest = of_kind.into_iter().min_by(|p, q| p.t.total_cmp(&q.t)).expect("a surface");
-                let first = RayHit { t_lower, ..nearest };
-                if let Some(wrong) = fault(truth.as_ref(), &first, is_ray) {
-                    let what = format!("{wrong}: {first:?}, {ray:?}, max_t {max_t}, truth {truth:?}");
-                    self.wrong.push(format!("joints, --seed {seed} --first {index}, ray {round}: {what}"));
+            let is_one_sided = rng.below(4) == 0;
+            for surface in &joints.0 {
+                let name = format!("joints, --seed {seed} --first {index}, ray {round}, max_t {max_t}");
+                let (geometry, query) = (&surface.geometry, (&ray, &settings));
+                let kind = if geometry.name() == "a compound" { "seam" } else { "edge" };
+                self.judge_sides(geometry, &Hits::new(&line, &surface.parts, false), query, (kind, &name));
+                if let (SharedGeometry::Sheet(sheet), true) = (geometry, is_one_sided) {
+                    let fronts = Hits::new(&line, &surface.parts, true);
+                    self.judge_sides(&OneSided::new(sheet), &fronts, query, ("front", &name));
                 }
             }
         }
     }
-}
 
-/// The fault of an answer, if it has one.
-pub(super) fn fault(truth: Option<&Fraction>, found: &RayHit, is_ray: bool) -> Option<&'static str> {
-    use std::cmp::Ordering::{Greater, Less};
-    let Some(truth) = truth else { return found.hit.then_some("nothing is there") };
-    match () {
-        () if !found.hit => Some("a hit is missing"),
-        () if truth.compare(found.t_lower) == Less => Some("too late"),
-        () if truth.compare(found.t_upper) == Greater => Some("too early"),
-        () if found.status == Status::Touching => Some("not certain"),
-        // At slivers, the intervals of casts may be wide.
-        () if is_ray && found.status == Status::Stalled => Some("wide"),
-        () if !(found.t_lower <= found.t && found.t <= found.t_upper) => Some("t is outside"),
-        () => None,
-    }
-}
-
-impl Joints {
-    /// Where a ray first meets the scene, and how many triangles or parts it meets there.
-    fn truth(&self, line: &Line, is_one_sided: bool) -> (Option<Fraction>, usize) {
-        let fronts = self.triangles.iter().filter(|corners| !is_one_sided || line.is_towards_front(**corners));
-        let hits: Vec<Fraction> = fronts
-            .filter_map(|corners| line.meet(*corners))
-            .chain(self.facets.iter().filter_map(|part| line.meet_hull(part)))
-            .collect();
-        let first = hits.iter().cloned().reduce(Fraction::min);
-        let count = first.as_ref().map_or(0, |first| hits.iter().filter(|hit| hit.is(first)).count());
-        (first, count)
-    }
-
-    /// The surfaces, each with both of its sides.
-    fn surfaces(&self) -> impl Iterator<Item = SharedGeometry> {
-        let sheets = self.sheets.iter().cloned().map(SharedGeometry::Sheet);
-        sheets.chain(self.pack.clone().map(SharedGeometry::Compound))
-    }
-
-    /// The answers of all surfaces to a ray.
-    fn answers(&self, ray: &Ray, settings: &CastSettings, is_one_sided: bool) -> Vec<Vec<RayHit>> {
-        let of_front = |sheet| hullmap::ray(&OneSided::new(sheet), ray, settings);
-        vec![match is_one_sided {
-            true => self.sheets.iter().map(of_front).collect(),
-            false => self.surfaces().map(|surface| hullmap::ray(&surface, ray, settings)).collect(),
-        }]
-    }
-
-    /// The answers of all surfaces to a point that moves along a ray, and of those to surfaces that
-    /// move against it.
-    fn casts(&self, ray: &Ray, settings: &CastSettings) -> Vec<Vec<RayHit>> {
-        let (dot, cache) = (Sphere::new(0.0).expect("a point"), &mut Cache::new());
-        let place = |sign: f64| {
-            Some((Pose::from_translation(sign * ray.origin()).ok()?, Motion::new(sign * ray.direction()).ok()?))
-        };
-        let (Some((start, motion)), Some((back, against))) = (place(1.0), place(-1.0)) else { return Vec::new() };
-        let as_ray = |found: hullmap::Impact| {
-            let hullmap::Impact { hit, status, t, t_lower, t_upper, normal, point_a: point, .. } = found;
-            RayHit { hit, status, t, t_lower, t_upper, point, normal, iterations: 0, support_calls: 0, part: 0 }
-        };
-        let (mut to, mut from) = (Vec::new(), Vec::new());
-        for surface in self.surfaces() {
-            to.push(as_ray(hullmap::cast(&surface, &dot, start, motion, settings, cache)));
-            from.push(as_ray(hullmap::cast(&dot, &surface, back, against, settings, cache)));
+    fn judge_sides<S: Geometry>(
+        &mut self,
+        surface: &S,
+        hits: &Hits,
+        line: (&Ray, &CastSettings),
+        (kind, scene): (&'static str, &str),
+    ) {
+        for (query, found, of_dot) in answers(surface, line) {
+            let is_unsure = query == Query::Cast && kind == "front" && !hits.has_clear_fronts();
+            let outcome = if is_unsure { "unsure" } else { hits.outcome() };
+            let key = if query == Query::Ray { kind } else { CASTS[usize::from(kind == "front")] };
+            *self.counts.entry((key, outcome)).or_default() += 1;
+            if is_unsure {
+                continue;
+            }
+            if let Some(wrong) = hits.fault(&found, of_dot, query) {
+                self.wrong.push(format!("{wrong}: {query:?}, {kind}, {found:?}, {:?}\n  {hits:?}\n  {scene}", line.0));
+            }
         }
-        vec![to, from]
     }
+}
+
+/// The answers to a ray, to a point that moves along it, and to the surface that moves against it.
+fn answers<S: Geometry>(surface: &S, (ray, settings): (&Ray, &CastSettings)) -> Vec<(Query, RayHit, DVec3)> {
+    let found = hullmap::ray(surface, ray, settings);
+    let mut answers = vec![(Query::Ray, found, found.point)];
+    let (dot, cache) = (Sphere::new(0.0).expect("a point"), &mut Cache::new());
+    for sign in [1.0, -1.0] {
+        let (Ok(start), Ok(motion)) =
+            (Pose::from_translation(sign * ray.origin()), Motion::new(sign * ray.direction()))
+        else {
+            continue;
+        };
+        let found = match sign > 0.0 {
+            true => hullmap::cast(surface, &dot, start, motion, settings, cache),
+            false => hullmap::cast(&dot, surface, start, motion, settings, cache),
+        };
+        let Impact { hit, status, t, t_lower, t_upper, normal, point_a, point_b, parts, .. } = found;
+        // In the frame of the surface.
+        let (frame, side) = if sign > 0.0 { (DVec3::ZERO, 0) } else { (ray.point_at(if hit { t } else { 0.0 }), 1) };
+        let [point, of_dot] = if side == 0 { [point_a, point_b] } else { [point_b, point_a] }.map(|p| p + frame);
+        let (normal, part) = (normal * sign, parts[side]);
+        let found = RayHit { hit, status, t, t_lower, t_upper, point, normal, part, ..RayHit::default() };
+        answers.push((Query::Cast, found, of_dot));
+    }
+    answers
 }

@@ -6,28 +6,32 @@
 //! | the point of the body is on its surface | the body's definition ([`Model`]) |
 //! | the depth is along the normal | the two points differ by the depth times the normal |
 //! | the point is within the prediction | the depth |
+//! | no point is missing | `missing` |
 //!
-//! Bodies of all kinds stand, lie and lean on sheets of all kinds, welded and not, as A or as B,
-//! while they slide. They are sunk in by up to a tenth of their radius, or their middle is in the
-//! plane of a triangle.
+//! Bodies of all kinds stand, lie and lean on sheets of all kinds, welded and not, on both sides or
+//! on fronts, as A or as B, while they slide. They are sunk in by up to a tenth of their radius, or
+//! their middle is in the plane of a triangle.
+
+use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 use hullmap::Geometry;
-use hullmap::compound::{Joined, Parts, Tile, seams};
+use hullmap::compound::{BodyManifold, Joined, OneSided, Parts, Tile, seams};
 use hullmap::height_field::{Diagonal, Layout};
-use hullmap::manifold::{FeatureId, Manifold};
-use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Sphere};
+use hullmap::manifold::{FeatureId, Manifold, ManifoldPoint};
+use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Scaled, Sphere, Triangle};
 use hullmap::{
     Compound, CompoundManifolds, HeightField, ManifoldSettings, Pack, Pose, Prediction, Shape, Status, TriangleMesh,
 };
 use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_bake::{IndexKind, SourceRecord};
+use hullmap_testkit::gap::distance_by_features;
 use hullmap_testkit::packs::{self, point_set};
 use hullmap_testkit::triangles::distance_from_triangle;
 use shapes::rng::SplitMix64;
 
-use super::tally::Tally;
+use super::{stream, tally::Tally};
 use crate::soak::model::{Core, Model};
 
 /// Maximum distance of a point from a surface, relative to the outer radius of the smaller one of
@@ -82,20 +86,22 @@ const GROUNDS: [Ground; 8] = [
 ];
 
 /// A sheet, and the corners of its triangles; `None` in holes.
-struct Sheet {
+pub(super) struct Sheet {
     parts: Box<dyn AnySheet>,
-    triangles: Vec<Option<[DVec3; 3]>>,
-    greatest: f64,
+    pub(super) triangles: Vec<Option<[DVec3; 3]>>,
+    pub(super) greatest: f64,
+    /// Half of the side of a level square.
+    pub(super) level: Option<f64>,
 }
 
 /// A mesh or a height field beside a body of one part or several.
 trait AnySheet {
-    fn update(&self, found: &mut CompoundManifolds, body: &Body, pose: Pose, way: Way, settings: &ManifoldSettings);
+    fn update(&self, found: &mut CompoundManifolds, body: &Body, pose: Pose, query: Query);
 }
 
 /// How a pair is queried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Way {
+pub(super) enum Way {
     /// The sheet is A.
     First,
     /// The sheet is B.
@@ -104,36 +110,76 @@ enum Way {
     Joined,
 }
 
+/// A query of a sheet.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Query {
+    pub(super) way: Way,
+    pub(super) is_one_sided: bool,
+    /// A length.
+    pub(super) prediction: f64,
+}
+
 impl<S: Geometry + Parts> AnySheet for S {
-    fn update(&self, found: &mut CompoundManifolds, body: &Body, pose: Pose, way: Way, settings: &ManifoldSettings) {
-        let union = seams::union_of(self);
-        let tiles = [Tile { union: &union, parts: self.part_count(), place: Pose::IDENTITY }; 2];
-        let joined = Joined::new(&tiles);
-        match (&body.solid, way) {
-            (Solid::Convex(b), Way::First) => found.update(self, &**b, pose, settings),
-            (Solid::Convex(b), Way::Second) => found.update(&**b, self, pose.inverse(), settings),
-            (Solid::Convex(b), Way::Joined) => found.update_joined(&joined, 1, self, &**b, pose, settings),
-            (Solid::Parts(b), Way::First) => found.update(self, &Compound::new(b), pose, settings),
-            (Solid::Parts(b), Way::Second) => found.update(&Compound::new(b), self, pose.inverse(), settings),
-            (Solid::Parts(b), Way::Joined) => found.update_joined(&joined, 1, self, &Compound::new(b), pose, settings),
-        };
+    fn update(&self, found: &mut CompoundManifolds, body: &Body, pose: Pose, query: Query) {
+        if query.is_one_sided {
+            update(&OneSided::new(self), found, body, pose, query)
+        } else {
+            update(self, found, body, pose, query)
+        }
     }
+}
+
+fn update<S: Geometry + Parts>(sheet: &S, found: &mut CompoundManifolds, body: &Body, pose: Pose, query: Query) {
+    let union = seams::union_of(sheet);
+    let tiles = [Tile { union: &union, parts: sheet.part_count(), place: Pose::IDENTITY }; 2];
+    let joined = Joined::new(&tiles);
+    let settings =
+        &ManifoldSettings { prediction: Prediction::Length(query.prediction), ..ManifoldSettings::default() };
+    match (&body.solid, query.way) {
+        (Solid::Convex(b), Way::First) => found.update(sheet, &**b, pose, settings),
+        (Solid::Convex(b), Way::Second) => found.update(&**b, sheet, pose.inverse(), settings),
+        (Solid::Convex(b), Way::Joined) => found.update_joined(&joined, 1, sheet, &**b, pose, settings),
+        (Solid::Parts(b), Way::First) => found.update(sheet, &Compound::new(b), pose, settings),
+        (Solid::Parts(b), Way::Second) => found.update(&Compound::new(b), sheet, pose.inverse(), settings),
+        (Solid::Parts(b), Way::Joined) => found.update_joined(&joined, 1, sheet, &Compound::new(b), pose, settings),
+        (Solid::HalfSpace(b), Way::Second) => found.update(b, sheet, pose.inverse(), settings),
+        (Solid::HalfSpace(b), _) => found.update(sheet, b, pose, settings),
+    };
 }
 
 enum Solid {
     Convex(Box<dyn Shape>),
     Parts(Pack),
+    HalfSpace(HalfSpace),
 }
 
 /// A body, and the definition of each of its parts.
-struct Body {
-    name: &'static str,
+pub(super) struct Body {
+    pub(super) name: &'static str,
     solid: Solid,
-    models: Vec<Model>,
+    pub(super) models: Vec<Model>,
+    /// Distance of a point from the surface, where that of the model is only a lower bound.
+    off: Option<Box<dyn Fn(DVec3) -> f64>>,
     /// Radius of a ball around its origin.
-    radius: f64,
+    pub(super) radius: f64,
     /// Distance of its corners from the planes of its faces.
     rough: f64,
+}
+
+impl Body {
+    /// Distance of a point from the surface of a part.
+    fn off(&self, part: usize, point: DVec3) -> f64 {
+        self.off.as_ref().map_or_else(|| self.models[part].outside(point), |off| off(point)).abs()
+    }
+
+    /// Calls `run` with a part; `None` for a half-space.
+    pub(super) fn with_part<T>(&self, part: usize, run: impl FnOnce(&dyn Shape) -> T) -> Option<T> {
+        match &self.solid {
+            Solid::Convex(shape) => Some(run(&**shape)),
+            Solid::Parts(pack) => Some(run(&pack.hull(part).ok()?)),
+            Solid::HalfSpace(_) => None,
+        }
+    }
 }
 
 fn grid(rng: &mut SplitMix64, ground: Ground) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
@@ -204,15 +250,17 @@ fn sheet(rng: &mut SplitMix64, ground: Ground) -> Sheet {
 impl Sheet {
     fn new(parts: Box<dyn AnySheet>, triangles: Vec<Option<[DVec3; 3]>>) -> Self {
         let greatest = triangles.iter().flatten().flatten().map(|corner| corner.length()).fold(0.0, f64::max);
-        Self { parts, triangles, greatest }
+        let corners = || triangles.iter().flatten().flatten();
+        let level = corners().all(|corner| corner.z == 0.0).then(|| corners().map(|c| c.x).fold(0.0, f64::max));
+        Self { parts, triangles, greatest, level }
     }
 }
 
-fn body(rng: &mut SplitMix64, size: f64) -> Body {
+fn body(rng: &mut SplitMix64, size: f64, is_box: bool) -> Body {
     let s = |rng: &mut SplitMix64| size * rng.between(0.2, 1.0);
     let convex = |name, shape: Box<dyn Shape>, model: Model| {
         let radius = model.greatest;
-        Body { name, solid: Solid::Convex(shape), models: vec![model], radius, rough: CURVED * radius }
+        Body { name, solid: Solid::Convex(shape), models: vec![model], off: None, radius, rough: CURVED * radius }
     };
     let hull = |rng: &mut SplitMix64, middle: DVec3| -> Vec<[f32; 3]> {
         let corner = |rng: &mut SplitMix64| (middle + 0.6 * size * DVec3::from_array(rng.direction())).as_vec3();
@@ -224,9 +272,14 @@ fn body(rng: &mut SplitMix64, size: f64) -> Body {
         let pack = Pack::from_bytes(&bytes).expect("a pack");
         let models: Vec<Model> = pack.hulls().map(|hull| Model::of_hull(&hull)).collect();
         let radius = models.iter().map(|model| model.greatest).fold(0.0, f64::max);
-        Body { name, solid: Solid::Parts(pack), models, radius, rough: F32 * radius }
+        Body { name, solid: Solid::Parts(pack), models, off: None, radius, rough: F32 * radius }
     };
-    match rng.below(9) {
+    let single = |rng: &mut SplitMix64| {
+        let hull = Arc::new(packs::tree_pack(&hull(rng, DVec3::ZERO))).shared_hull(0).expect("one hull");
+        let model = Model::of_hull(hull.hull());
+        (hull, model)
+    };
+    match if is_box { 0 } else { rng.below(14) } {
         0 | 1 => {
             let half = DVec3::new(s(rng), s(rng), s(rng));
             convex("cuboid", Box::new(Cuboid::new(half).expect("lengths")), Model::new(Core::Cuboid(half)))
@@ -252,6 +305,43 @@ fn body(rng: &mut SplitMix64, size: f64) -> Body {
             convex("rounded disc", Box::new(shape), Model::new(Core::Cylinder(0.0, half)).rounded(radius))
         }
         7 => parts("hull", &[hull(rng, DVec3::ZERO)]),
+        8 => {
+            let scale = DVec3::new(rng.between(0.3, 1.0), -rng.between(0.3, 1.0), rng.between(0.3, 1.0));
+            let shape = Scaled::new(Sphere::new(size).expect("a radius"), scale).expect("a scale");
+            let body = convex("ellipsoid", Box::new(shape), Model::new(Core::Ball(size)).scaled(scale));
+            // To first order: the height in the frame of the ball, over its gradient.
+            let off = move |point: DVec3| {
+                let q = point / scale;
+                (q.length() - size) * q.length() / (q / scale).length()
+            };
+            Body { off: Some(Box::new(off)), ..body }
+        }
+        9 => {
+            let ((hull, model), scale) = (single(rng), DVec3::new(0.5, -1.5, rng.between(0.3, 1.0)));
+            let body = convex("scaled hull", Box::new(Scaled::new(hull, scale).expect("a scale")), model.scaled(scale));
+            Body { rough: F32 * body.radius, ..body }
+        }
+        10 => {
+            let ((hull, model), radius) = (single(rng), 0.3 * s(rng));
+            let vertices: Vec<_> = hull.hull().vertices().map(|v| v.as_dvec3()).collect();
+            let off = move |point| distance_by_features(&[point], &vertices) - radius;
+            let shape = Rounded::new(hull, radius).expect("a radius");
+            let body = convex("rounded hull", Box::new(shape), model.rounded(radius));
+            Body { rough: F32 * body.radius, off: Some(Box::new(off)), ..body }
+        }
+        11 => {
+            let corners = [(); 3].map(|()| size * DVec3::from_array(rng.direction()));
+            convex("triangle", Box::new(Triangle::new(corners).expect("points")), Model::of_triangle(corners))
+        }
+        12 => {
+            let (normal, offset) = (-DVec3::AXES[rng.below(3)], size * rng.between(-1.0, 1.0));
+            let core =
+                Core::Points { points: vec![normal * offset], planes: vec![(normal, offset)], edges: Vec::new() };
+            let solid = Solid::HalfSpace(HalfSpace::new(normal, offset).expect("a plane"));
+            let mut model = Model::new(core);
+            model.greatest = f64::INFINITY;
+            Body { name: "half-space", solid, models: vec![model], off: None, radius: size, rough: CURVED * size }
+        }
         _ => {
             let middles = [DVec3::ZERO, DVec3::X, DVec3::new(0.4, 0.8, 0.0)].map(|middle| middle * size * 0.7);
             parts("compound", &middles.map(|middle| hull(rng, middle)))
@@ -299,39 +389,43 @@ fn lowest(model: &Model, up: DVec3) -> f64 {
 impl Tally {
     /// Judges the manifolds of the sheet with this index.
     pub fn judge_manifolds(&mut self, seed: u64, index: u64) {
-        let mut rng = SplitMix64::new(seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let mut rng = stream(seed, index);
         let ground = GROUNDS[(index % GROUNDS.len() as u64) as usize];
         let sheet = sheet(&mut rng, ground);
         for number in 0..BODIES {
             let size = if ground == Ground::Huge { 0.01 } else { 10_f64.powf(rng.between(-2.0, 1.0)) };
-            let body = body(&mut rng, size);
+            let is_box = ground == Ground::Level && rng.below(2) == 0;
+            let body = body(&mut rng, size, is_box);
             let mut pose = place(&mut rng, &sheet, &body);
             let way = [Way::First, Way::First, Way::Second, Way::Joined][rng.below(4)];
             let prediction = [0.0, 0.02, 0.02, 0.3][rng.below(4)] * body.radius;
-            let settings =
-                ManifoldSettings { prediction: Prediction::Length(prediction), ..ManifoldSettings::default() };
+            let query = Query { way, is_one_sided: rng.below(4) == 0, prediction };
             let step = DVec3::from_array(rng.direction()) * body.radius * [1e-6, 1e-3, 0.05][rng.below(3)];
-            let mut found = [CompoundManifolds::new(256), CompoundManifolds::new(256)];
-            found[0].set_welding(false);
+            let mut found = [(); 2].map(|()| (CompoundManifolds::new(256), BodyManifold::new(256)));
+            found[0].0.set_welding(false);
             for frame in 0..FRAMES {
-                for (welds, found) in found.iter_mut().enumerate() {
-                    sheet.parts.update(found, &body, pose, way, &settings);
+                for (welds, (found, chosen)) in found.iter_mut().enumerate() {
+                    sheet.parts.update(found, &body, pose, query);
                     let name = format!("{ground:?}, --seed {seed} --first {index}, body {number}, frame {frame}");
-                    let judge = Judge { sheet: &sheet, body: &body, pose, way, prediction, welds: welds == 1, name };
+                    let judge = Judge { sheet: &sheet, body: &body, pose, query, welds: welds == 1, name };
                     found.iter().for_each(|(pair, manifold)| judge.manifold(self, pair, manifold));
+                    judge.missing(self, found);
+                    let before = chosen.points().to_vec();
+                    chosen.update(found);
+                    judge.chosen(self, found, &before, chosen.points());
                 }
-                self.compare(&found);
+                self.compare(found.each_ref().map(|(found, _)| found));
                 pose = Pose::new(pose.translation() + step, pose.rotation()).expect("finite");
             }
         }
     }
 
-    fn note(&mut self, what: &'static str, kind: &'static str) {
+    pub(super) fn note(&mut self, what: &'static str, kind: &'static str) {
         *self.counts.entry((what, kind)).or_default() += 1;
     }
 
     /// Counts the manifolds that welding changes.
-    fn compare(&mut self, [alone, welded]: &[CompoundManifolds; 2]) {
+    fn compare(&mut self, [alone, welded]: [&CompoundManifolds; 2]) {
         for (pair, manifold) in alone.iter() {
             let normal = welded.get(pair).map(Manifold::normal);
             match normal {
@@ -343,51 +437,78 @@ impl Tally {
     }
 }
 
-struct Judge<'s> {
-    sheet: &'s Sheet,
-    body: &'s Body,
-    pose: Pose,
-    way: Way,
-    prediction: f64,
-    welds: bool,
+pub(super) struct Judge<'s> {
+    pub(super) sheet: &'s Sheet,
+    pub(super) body: &'s Body,
+    pub(super) pose: Pose,
+    pub(super) query: Query,
+    pub(super) welds: bool,
     name: String,
 }
 
 impl Judge<'_> {
+    /// The triangle and the body's part of a pair.
+    pub(super) fn indices(&self, [a, b]: [usize; 2]) -> [usize; 2] {
+        if self.query.way == Way::Second { [b, a] } else { [a, b] }
+    }
+
+    /// A point on the sheet, in its frame, and the one on the body, in its own.
+    pub(super) fn local(&self, point: &ManifoldPoint) -> [DVec3; 2] {
+        if self.query.way == Way::Second { [point.local_b, point.point_a] } else { [point.point_a, point.local_b] }
+    }
+
+    /// Rounding error of a coordinate.
+    pub(super) fn rounding(&self) -> f64 {
+        F64 * (self.sheet.greatest + self.pose.translation().length() + self.body.radius)
+    }
+
+    /// The smaller and the larger outer radius of a triangle and a part.
+    pub(super) fn radii(&self, corners: [DVec3; 3], part: usize) -> [f64; 2] {
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let triangle = corners.map(|corner| corner.distance(middle)).into_iter().fold(0.0, f64::max);
+        let part = self.body.models[part].greatest;
+        [triangle.min(part), triangle.max(part)]
+    }
+
+    /// Maximum distance of a point from a triangle and from a part.
+    pub(super) fn bound(&self, corners: [DVec3; 3], part: usize) -> f64 {
+        OFF_SURFACE * self.radii(corners, part)[0] + self.rounding() + self.body.rough
+    }
+
+    /// The body, its pose and the query.
+    pub(super) fn place(&self) -> String {
+        let Body { name, radius, .. } = self.body;
+        let welds = self.welds;
+        format!("{}; {name} of radius {radius:e} at {:?}, {:?}, welds {welds}", self.name, self.pose, self.query)
+    }
+
     fn manifold(&self, tally: &mut Tally, pair: [usize; 2], manifold: &Manifold) {
-        let [triangle, part] = if self.way == Way::Second { [pair[1], pair[0]] } else { pair };
+        let [triangle, part] = self.indices(pair);
         let Some(corners) = self.sheet.triangles[triangle] else {
             return tally.wrong.push(format!("{}: a manifold of a hole", self.name));
         };
-        let model = &self.body.models[part];
         let normal = manifold.normal();
-        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-        let smaller = corners.map(|corner| corner.distance(middle)).into_iter().fold(0.0, f64::max).min(model.greatest);
-        let rounding = F64 * (self.sheet.greatest + self.pose.translation().length() + self.body.radius);
-        let bound = OFF_SURFACE * smaller + rounding + self.body.rough;
+        let (rounding, bound) = (self.rounding(), self.bound(corners, part));
         tally.note("status", manifold.status().as_str());
         tally.note("welded", if self.welds { "yes" } else { "no" });
-        let mut wrong = |what: &str, by: f64, point: &hullmap::manifold::ManifoldPoint| {
+        let mut wrong = |what: &str, by: f64, point: &ManifoldPoint| {
             // NaN takes the failing branch.
             if !(by <= 1.0) {
+                let status = manifold.status();
                 tally.wrong.push(format!(
-                    "{}: {what}, {by:e} times the bound {bound:e}; {} of radius {:e} at {:?}, {:?}, welds {}, prediction {:e}\n  \
-                     triangle {triangle} {corners:?}\n  normal {normal:?} {:?} {point:?}",
-                    self.name, self.body.name, self.body.radius, self.pose, self.way, self.welds, self.prediction,
-                    manifold.status(),
+                    "{what}, {by:e} times the bound {bound:e}: {}\n  triangle {triangle} {corners:?}\n  normal {normal:?} {status:?} {point:?}",
+                    self.place(),
                 ));
             }
         };
         for point in manifold.points() {
-            let is_second = self.way == Way::Second;
-            // On the sheet, in its frame, and on the body, in its own.
-            let [on_sheet, on_body] =
-                if is_second { [point.local_b, point.point_a] } else { [point.point_a, point.local_b] };
+            let is_second = self.query.way == Way::Second;
+            let [on_sheet, on_body] = self.local(point);
             wrong("the sheet's point is off its triangle", distance_from_triangle(corners, on_sheet) / bound, point);
-            wrong("the body's point is off its surface", model.outside(on_body).abs() / bound, point);
+            wrong("the body's point is off its surface", self.body.off(part, on_body) / bound, point);
             let aside = (point.point_a - point.point_b - normal * point.depth).length();
             wrong("the depth differs from the points", aside / rounding, point);
-            wrong("beyond the prediction", (-point.depth - self.prediction) / rounding, point);
+            wrong("beyond the prediction", (-point.depth - self.query.prediction) / rounding, point);
             let frame = if is_second { self.pose.inverse() } else { self.pose };
             wrong("B's points differ", frame.transform_point(point.local_b).distance(point.point_b) / rounding, point);
             wrong("the normal is not of unit length", (normal.length() - 1.0).abs() / 1e-14, point);

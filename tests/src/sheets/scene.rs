@@ -8,6 +8,8 @@ use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_
 use hullmap_testkit::packs::tree_pack;
 use shapes::rng::SplitMix64;
 
+use super::stream;
+
 /// A kind of mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
@@ -92,7 +94,7 @@ fn whole(most: i32, rng: &mut SplitMix64) -> DVec3 {
 impl Scene {
     /// The scene with this index. Panics if it cannot be baked.
     pub fn new(kind: Kind, seed: u64, index: u64) -> Self {
-        let mut rng = SplitMix64::new(seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let mut rng = stream(seed, index);
         let unit = if kind == Kind::Tiny { (-20.0_f64).exp2() } else { 1.0 };
         let origin = if kind == Kind::Far { 1e4 * DVec3::from_array(rng.direction()).round() } else { DVec3::ZERO };
         let count = 1 + rng.below(48);

@@ -34,6 +34,11 @@ impl Fraction {
         if t == f64::INFINITY { Ordering::Less } else { self.cmp(&Self::of(t)) }
     }
 
+    /// Whether the fraction differs from `t` by at most `error`, up to a rounding.
+    pub fn is_within(&self, t: f64, error: f64) -> bool {
+        self.compare(t - error).is_ge() && self.compare(t + error).is_le()
+    }
+
     /// The nearest number, up to a few roundings.
     pub fn rounded(&self) -> f64 {
         self.0.rounded() / self.1.rounded()
@@ -142,10 +147,32 @@ impl Line {
         self.clip(sides.into_iter().chain([(opposite(&normal), a.clone()), (normal, a.clone())]))
     }
 
-    /// Whether the ray moves towards the front of a triangle.
-    pub fn is_towards_front(&self, corners: [DVec3; 3]) -> bool {
+    /// Whether the ray moves towards the front of a triangle (`Less`), its back, or neither.
+    pub fn facing(&self, corners: [DVec3; 3]) -> Ordering {
         let [a, b, c] = corners.map(exact);
-        dot(&cross(&minus(&b, &a), &minus(&c, &a)), &self.direction).sign().is_lt()
+        dot(&cross(&minus(&b, &a), &minus(&c, &a)), &self.direction).sign()
+    }
+
+    /// The origin.
+    pub fn origin(&self) -> DVec3 {
+        self.rounded[0]
+    }
+
+    /// The length of the direction, also where its square underflows.
+    pub fn speed(&self) -> f64 {
+        let greatest = self.rounded[1].abs().max_element();
+        greatest * (self.rounded[1] / greatest).length()
+    }
+
+    /// The direction, of unit length.
+    pub fn way(&self) -> DVec3 {
+        let direction = self.rounded[1];
+        (direction / direction.abs().max_element()).normalize()
+    }
+
+    /// The point at `t`.
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.rounded[0] + self.way() * (self.speed() * t)
     }
 
     /// Where the ray first meets the polytope with these [`facets`].
