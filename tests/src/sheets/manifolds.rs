@@ -256,29 +256,31 @@ impl Sheet {
     }
 }
 
-fn body(rng: &mut SplitMix64, size: f64, is_box: bool) -> Body {
-    let s = |rng: &mut SplitMix64| size * rng.between(0.2, 1.0);
-    let convex = |name, shape: Box<dyn Shape>, model: Model| {
+impl Body {
+    fn convex(name: &'static str, shape: Box<dyn Shape>, model: Model) -> Self {
         let radius = model.greatest;
-        Body { name, solid: Solid::Convex(shape), models: vec![model], off: None, radius, rough: CURVED * radius }
-    };
-    let hull = |rng: &mut SplitMix64, middle: DVec3| -> Vec<[f32; 3]> {
-        let corner = |rng: &mut SplitMix64| (middle + 0.6 * size * DVec3::from_array(rng.direction())).as_vec3();
-        (0..5 + rng.below(12)).map(|_| corner(rng).to_array()).collect()
-    };
-    let parts = |name, clouds: &[Vec<[f32; 3]>]| {
+        Self { name, solid: Solid::Convex(shape), models: vec![model], off: None, radius, rough: CURVED * radius }
+    }
+
+    /// The hulls of points.
+    fn parts(name: &'static str, clouds: &[Vec<[f32; 3]>]) -> Self {
         let sets: Vec<_> = clouds.iter().map(|cloud| point_set(name, cloud)).collect();
         let bytes = packs::bytes(&sets, IndexKind::Tree, &SourceRecord::default()).expect("hulls");
         let pack = Pack::from_bytes(&bytes).expect("a pack");
         let models: Vec<Model> = pack.hulls().map(|hull| Model::of_hull(&hull)).collect();
         let radius = models.iter().map(|model| model.greatest).fold(0.0, f64::max);
-        Body { name, solid: Solid::Parts(pack), models, off: None, radius, rough: F32 * radius }
-    };
-    let single = |rng: &mut SplitMix64| {
-        let hull = Arc::new(packs::tree_pack(&hull(rng, DVec3::ZERO))).shared_hull(0).expect("one hull");
-        let model = Model::of_hull(hull.hull());
-        (hull, model)
-    };
+        Self { name, solid: Solid::Parts(pack), models, off: None, radius, rough: F32 * radius }
+    }
+}
+
+fn cloud(rng: &mut SplitMix64, size: f64, middle: DVec3) -> Vec<[f32; 3]> {
+    let corner = |rng: &mut SplitMix64| (middle + 0.6 * size * DVec3::from_array(rng.direction())).as_vec3();
+    (0..5 + rng.below(12)).map(|_| corner(rng).to_array()).collect()
+}
+
+fn body(rng: &mut SplitMix64, size: f64, is_box: bool) -> Body {
+    let s = |rng: &mut SplitMix64| size * rng.between(0.2, 1.0);
+    let convex = Body::convex;
     match if is_box { 0 } else { rng.below(14) } {
         0 | 1 => {
             let half = DVec3::new(s(rng), s(rng), s(rng));
@@ -304,8 +306,25 @@ fn body(rng: &mut SplitMix64, size: f64, is_box: bool) -> Body {
             let shape = Rounded::new(Cylinder::new(0.0, half).expect("lengths"), radius).expect("a radius");
             convex("rounded disc", Box::new(shape), Model::new(Core::Cylinder(0.0, half)).rounded(radius))
         }
-        7 => parts("hull", &[hull(rng, DVec3::ZERO)]),
+        7 => Body::parts("hull", &[cloud(rng, size, DVec3::ZERO)]),
         8 => {
+            let middles = [DVec3::ZERO, DVec3::X, DVec3::new(0.4, 0.8, 0.0)].map(|middle| middle * size * 0.7);
+            Body::parts("compound", &middles.map(|middle| cloud(rng, size, middle)))
+        }
+        _ => derived(rng, size),
+    }
+}
+
+/// Bodies made of other shapes, a triangle and a half-space.
+fn derived(rng: &mut SplitMix64, size: f64) -> Body {
+    let convex = Body::convex;
+    let single = |rng: &mut SplitMix64| {
+        let hull = Arc::new(packs::tree_pack(&cloud(rng, size, DVec3::ZERO))).shared_hull(0).expect("one hull");
+        let model = Model::of_hull(hull.hull());
+        (hull, model)
+    };
+    match rng.below(5) {
+        0 => {
             let scale = DVec3::new(rng.between(0.3, 1.0), -rng.between(0.3, 1.0), rng.between(0.3, 1.0));
             let shape = Scaled::new(Sphere::new(size).expect("a radius"), scale).expect("a scale");
             let body = convex("ellipsoid", Box::new(shape), Model::new(Core::Ball(size)).scaled(scale));
@@ -316,24 +335,24 @@ fn body(rng: &mut SplitMix64, size: f64, is_box: bool) -> Body {
             };
             Body { off: Some(Box::new(off)), ..body }
         }
-        9 => {
+        1 => {
             let ((hull, model), scale) = (single(rng), DVec3::new(0.5, -1.5, rng.between(0.3, 1.0)));
             let body = convex("scaled hull", Box::new(Scaled::new(hull, scale).expect("a scale")), model.scaled(scale));
             Body { rough: F32 * body.radius, ..body }
         }
-        10 => {
-            let ((hull, model), radius) = (single(rng), 0.3 * s(rng));
+        2 => {
+            let ((hull, model), radius) = (single(rng), size * rng.between(0.06, 0.3));
             let vertices: Vec<_> = hull.hull().vertices().map(|v| v.as_dvec3()).collect();
             let off = move |point| distance_by_features(&[point], &vertices) - radius;
             let shape = Rounded::new(hull, radius).expect("a radius");
             let body = convex("rounded hull", Box::new(shape), model.rounded(radius));
             Body { rough: F32 * body.radius, off: Some(Box::new(off)), ..body }
         }
-        11 => {
+        3 => {
             let corners = [(); 3].map(|()| size * DVec3::from_array(rng.direction()));
             convex("triangle", Box::new(Triangle::new(corners).expect("points")), Model::of_triangle(corners))
         }
-        12 => {
+        _ => {
             let (normal, offset) = (-DVec3::AXES[rng.below(3)], size * rng.between(-1.0, 1.0));
             let core =
                 Core::Points { points: vec![normal * offset], planes: vec![(normal, offset)], edges: Vec::new() };
@@ -341,10 +360,6 @@ fn body(rng: &mut SplitMix64, size: f64, is_box: bool) -> Body {
             let mut model = Model::new(core);
             model.greatest = f64::INFINITY;
             Body { name: "half-space", solid, models: vec![model], off: None, radius: size, rough: CURVED * size }
-        }
-        _ => {
-            let middles = [DVec3::ZERO, DVec3::X, DVec3::new(0.4, 0.8, 0.0)].map(|middle| middle * size * 0.7);
-            parts("compound", &middles.map(|middle| hull(rng, middle)))
         }
     }
 }
