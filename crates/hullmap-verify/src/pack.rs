@@ -579,7 +579,7 @@ mod tests {
             |hulls: &[BakedHull]| Pack::from_bytes(&write_pack(hulls, &SourceRecord::default()).unwrap()).unwrap();
         let floor = part([[-9.0, -9.0, -1.0], [9.0, 9.0, 0.0]]);
         let boxes = [[[-1.0, -1.0, 2.0], [0.0, 1.0, 3.0]], [[0.0, -1.0, 2.0], [1.0, 1.0, 3.0]]].map(part);
-        let (all, floor) = (pack(&[boxes.as_slice(), &[floor.clone()]].concat()), pack(&[floor]));
+        let (all, floor) = (pack(&[boxes.as_slice(), std::slice::from_ref(&floor)].concat()), pack(&[floor]));
         let (whole, behind) = (Compound::new(&all), Compound::new(&floor));
         for seed in 0..8 {
             let verify = |whole: &Compound| {
