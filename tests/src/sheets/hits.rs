@@ -6,7 +6,7 @@
 //! | t | the same, within [`Query::allowance`] |
 //! | the part | the ray meets it there, within the same allowance |
 //! | the point | on the ray at t, to rounding |
-//! | the normal | a support plane of the part at the point, against the ray; for rays, the normal of the face there, except at edges and vertices of hulls |
+//! | the normal | a support plane of the part at the point, against the ray; for exact rays, the normal of the face there, except at edges and vertices of hulls |
 
 use std::cmp::Ordering::{Equal, Greater, Less};
 use std::fmt;
@@ -185,7 +185,9 @@ impl<'s> Hits<'s> {
         let rounding = ROUNDING * (self.line.origin().length() + found.t * self.line.speed() + part.greatest);
         let is_against = normal.dot(self.line.way()) <= NARROW;
         let is_at_start = first.compare(0.0) == Equal && normal.distance(-self.line.way()) <= NARROW;
-        let is_face = query == Query::Cast || part.is_face(self.line, point, normal, allowance + rounding);
+        let is_face = query == Query::Cast
+            || found.status == Status::Within
+            || part.is_face(self.line, point, normal, allowance + rounding);
         match () {
             () if !is_near(first) => Some("t is of another surface"),
             () if !is_narrow => Some("the interval is wide"),
