@@ -79,8 +79,8 @@ impl Part {
         self.vertices.iter().all(|vertex| normal.dot(*vertex - point) <= allowance)
     }
 
-    /// Whether `normal` is that of a face through `point`. At an edge or a vertex of a hull, and if
-    /// the ray is in the plane of a triangle, any support plane counts.
+    /// Whether a face through `point` has this normal. At an edge or a vertex of a hull, and if the
+    /// ray is in the plane of a triangle, any support plane counts.
     fn is_face(&self, line: &Line, point: DVec3, normal: DVec3, allowance: f64) -> bool {
         let is_in = |facet: &[DVec3; 3]| facet.iter().all(|corner| normal.dot(*corner - point).abs() <= allowance);
         let has_point = |[a, b, c]: &&[DVec3; 3]| (c - a).cross(b - a).normalize().dot(point - a).abs() <= allowance;

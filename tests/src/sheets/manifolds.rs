@@ -158,7 +158,7 @@ pub(super) struct Body {
     pub(super) name: &'static str,
     solid: Solid,
     pub(super) models: Vec<Model>,
-    /// Distance of a point from the surface, where that of the model is only a lower bound.
+    /// Distance of a point from the surface, where the model has only a lower bound.
     off: Option<Box<dyn Fn(DVec3) -> f64>>,
     /// Radius of a ball around its origin.
     pub(super) radius: f64,

@@ -27,8 +27,8 @@ const SLIGHT: f64 = 0.1;
 /// Depths may differ by this share of the smaller outer radius in any case.
 const SAME_DEPTH: f64 = 1e-4;
 
-/// A pair is extreme if its smaller outer radius is less than this share of the larger one. The soak
-/// of manifolds has the same limit.
+/// A pair is extreme if its smaller outer radius is less than this share of the larger one. The
+/// soak of manifolds has the same limit.
 const EXTREME: f64 = 1e-3;
 
 /// A body that is deeper in a triangle than this share of the smaller radius may be on either side
@@ -45,8 +45,8 @@ const CURVED: [&str; 4] = ["cylinder", "cone", "rounded disc", "ellipsoid"];
 /// Share of the area of all points that chosen ones span.
 const LEAST_AREA: f64 = 0.6;
 
-/// Share of a box's lower face that the points below it span. Each triangle has four of at most seven
-/// corners of its part of the face. The smallest ear of m corners has at most the share
+/// Share of a box's lower face that the points below it span. Each triangle has four of at most
+/// seven corners of its part of the face. The smallest ear of m corners has at most the share
 /// 4 sin²(π / m) / m of the area, so three ears leave 53.8 %.
 const LEAST_RESTING: f64 = 0.53;
 
