@@ -170,7 +170,7 @@ impl Judge<'_> {
         self.fail(tally, is_off, || format!("points of other depths than {depth:e}: {points:?}"));
     }
 
-    /// The points of the body manifold, and those of the last frame.
+    /// The points of the body manifold; `before` has the ones of the last frame.
     pub(super) fn chosen(
         &self,
         tally: &mut Tally,
