@@ -170,8 +170,6 @@ impl<'s> Hits<'s> {
             () if first.compare(found.t_lower) == Less => return Some("too late"),
             () if first.compare(found.t_upper) == Greater => return Some("too early"),
             () if found.status == Status::Touching => return Some("not certain"),
-            // At slivers, the intervals of casts may be wide.
-            () if query == Query::Ray && found.status == Status::Stalled => return Some("wide"),
             () if !(found.t_lower <= found.t && found.t <= found.t_upper) => return Some("t is outside"),
             () => {}
         }
@@ -180,7 +178,12 @@ impl<'s> Hits<'s> {
         let is_near = |t: &Fraction| t.is_within(found.t, allowance / self.line.speed());
         let is_met = |index: usize| self.all.iter().find(|(other, _)| *other == index).map(|(_, t)| t);
         let width = (found.t_upper - found.t_lower) * self.line.speed();
-        let is_narrow = found.status == Status::Stalled || width <= 2.0 * allowance;
+        // At slivers, the intervals of casts may be wide, as the status says: rounding error allows no
+        // narrower one, or the search has stalled. Rays are decided exactly.
+        let may_be_wide = query == Query::Cast && matches!(found.status, Status::Stalled | Status::Exact);
+        let has_stalled = query == Query::Ray && found.status == Status::Stalled;
+        let widest = if has_stalled { NARROW * found.t * self.line.speed() } else { 2.0 * allowance };
+        let is_narrow = may_be_wide || width <= widest;
         let (point, normal) = (found.point, found.normal);
         let rounding = ROUNDING * (self.line.origin().length() + found.t * self.line.speed() + part.greatest);
         let is_against = normal.dot(self.line.way()) <= NARROW;
@@ -189,8 +192,8 @@ impl<'s> Hits<'s> {
             || found.status == Status::Within
             || part.is_face(self.line, point, normal, allowance + rounding);
         match () {
-            () if !is_near(first) => Some("t is of another surface"),
             () if !is_narrow => Some("the interval is wide"),
+            () if !is_near(first) => Some("t is of another surface"),
             () if !is_met(found.part as usize).is_some_and(is_near) => Some("the part is not met first"),
             () if !(of_ray.distance(self.line.at(found.t)) <= rounding) => Some("the point is off the ray"),
             () if !(point.distance(of_ray) <= allowance + rounding) => Some("the points are apart"),
@@ -224,7 +227,7 @@ mod tests {
             RayHit { status: Status::Stalled, t: 5.0, t_upper: 5.0, point: DVec3::NEG_Z * 4.0, part: 2, ..first };
         let wrong = [
             ("t is of another surface", behind),
-            ("the interval is wide", RayHit { t_upper: 5.0, ..first }),
+            ("the interval is wide", RayHit { status: Status::Within, t_upper: 5.0, ..first }),
             ("the part is not met first", RayHit { part: 2, ..first }),
             ("the point is off the ray", RayHit { point: DVec3::X * 1e-6, ..first }),
             ("the point is off the ray", RayHit { point: behind.point, ..first }),
@@ -239,7 +242,8 @@ mod tests {
                 assert_eq!(hits.fault(&RayHit { part, ..first }, first.point, query), None);
             }
             for (name, answer) in wrong {
-                let expected = if query == Query::Ray && name.starts_with("t is") { "wide" } else { name };
+                let expected =
+                    if query == Query::Ray && name.starts_with("t is") { "the interval is wide" } else { name };
                 assert_eq!(hits.fault(&answer, answer.point, query), Some(expected), "{query:?} {answer:?}");
             }
         }
