@@ -18,7 +18,7 @@ use hullmap_testkit::ray::Line;
 use shapes::rng::SplitMix64;
 
 use super::hits::{Hits, Part, Query};
-use super::{stream, tally::Tally};
+use super::{scene::stream, tally::Tally};
 
 /// Number of rays in a scene.
 const RAYS: u64 = 100;

@@ -31,7 +31,7 @@ use hullmap_testkit::packs::{self, point_set};
 use hullmap_testkit::triangles::distance_from_triangle;
 use shapes::rng::SplitMix64;
 
-use super::{stream, tally::Tally};
+use super::{scene::stream, tally::Tally};
 use crate::soak::model::{Core, Model};
 
 /// Maximum distance of a point from a surface, relative to the outer radius of the smaller one of

@@ -35,12 +35,6 @@ use hits::{Hits, Part, Query};
 use scene::{Body, Kind, Scene};
 pub use tally::Tally;
 
-/// Random numbers of a scene. The seed is mixed: the state after `n` numbers has `n` times the same
-/// constant added, so that a scene would continue the numbers of another one.
-fn stream(seed: u64, index: u64) -> SplitMix64 {
-    SplitMix64::new(SplitMix64::new(seed).next_u64() ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15))
-}
-
 /// Number of queries of each kind in a scene.
 const QUERIES: u64 = 40;
 

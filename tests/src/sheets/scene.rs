@@ -8,8 +8,6 @@ use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_
 use hullmap_testkit::packs::tree_pack;
 use shapes::rng::SplitMix64;
 
-use super::stream;
-
 /// A kind of mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
@@ -237,4 +235,10 @@ fn long(rng: &mut SplitMix64) -> Vec<[DVec3; 3]> {
     let size = 10_f64.powf(rng.between(1.0, 4.0));
     let turn = DQuat::from_rotation_arc(DVec3::Z, DVec3::from_array(rng.direction()));
     vec![[DVec3::new(-1.0, -1.0, 0.0), DVec3::new(1.0, -1.0, 0.0), DVec3::Y].map(|corner| turn * corner * size)]
+}
+
+/// Random numbers of a scene. The seed is mixed: the state after `n` numbers has `n` times the same
+/// constant added, so that a scene would continue the numbers of another one.
+pub fn stream(seed: u64, index: u64) -> SplitMix64 {
+    SplitMix64::new(SplitMix64::new(seed).next_u64() ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }
