@@ -178,8 +178,8 @@ impl<'s> Hits<'s> {
         let is_near = |t: &Fraction| t.is_within(found.t, allowance / self.line.speed());
         let is_met = |index: usize| self.all.iter().find(|(other, _)| *other == index).map(|(_, t)| t);
         let width = (found.t_upper - found.t_lower) * self.line.speed();
-        // At slivers, the intervals of casts may be wide, as the status says: rounding error allows no
-        // narrower one, or the search has stalled. Rays are decided exactly.
+        // At slivers, the intervals of casts may be wide, as the status says: rounding error allows
+        // no narrower one, or the search has stalled. Rays are decided exactly.
         let may_be_wide = query == Query::Cast && matches!(found.status, Status::Stalled | Status::Exact);
         let has_stalled = query == Query::Ray && found.status == Status::Stalled;
         let widest = if has_stalled { NARROW * found.t * self.line.speed() } else { 2.0 * allowance };
