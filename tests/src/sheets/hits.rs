@@ -182,8 +182,7 @@ impl<'s> Hits<'s> {
         // no narrower one, or the search has stalled. Rays are decided exactly.
         let may_be_wide = query == Query::Cast && matches!(found.status, Status::Stalled | Status::Exact);
         let has_stalled = query == Query::Ray && found.status == Status::Stalled;
-        let widest = if has_stalled { NARROW * found.t * self.line.speed() } else { 2.0 * allowance };
-        let is_narrow = may_be_wide || width <= widest;
+        let is_narrow = may_be_wide || !has_stalled && width <= 2.0 * allowance;
         let (point, normal) = (found.point, found.normal);
         let rounding = ROUNDING * (self.line.origin().length() + found.t * self.line.speed() + part.greatest);
         let is_against = normal.dot(self.line.way()) <= NARROW;
