@@ -6,7 +6,7 @@
 //! | t | the same, within [`Query::allowance`] |
 //! | the part | the ray meets it there, within the same allowance |
 //! | the point | on the ray at t, to rounding |
-//! | the normal | a support plane of the part at the point, against the ray; for exact rays, the normal of the face there, except at edges and vertices of hulls |
+//! | the normal | a support plane of the part at the point, against the ray; for exact rays, the normal of a face there |
 
 use std::cmp::Ordering::{Equal, Greater, Less};
 use std::fmt;
@@ -79,16 +79,12 @@ impl Part {
         self.vertices.iter().all(|vertex| normal.dot(*vertex - point) <= allowance)
     }
 
-    /// Whether a face through `point` has this normal. At an edge or a vertex of a hull, and if the
-    /// ray is in the plane of a triangle, any support plane counts.
+    /// Whether a face through `point` has this normal. If the ray is in the plane of a triangle,
+    /// any support plane counts.
     fn is_face(&self, line: &Line, point: DVec3, normal: DVec3, allowance: f64) -> bool {
         let is_in = |facet: &[DVec3; 3]| facet.iter().all(|corner| normal.dot(*corner - point).abs() <= allowance);
-        let has_point = |[a, b, c]: &&[DVec3; 3]| (c - a).cross(b - a).normalize().dot(point - a).abs() <= allowance;
-        let is_edge = match self.corners() {
-            Some(corners) => line.facing(corners) == Equal,
-            None => self.facets.iter().filter(has_point).count() > 1,
-        };
-        is_edge || self.facets.iter().any(is_in)
+        let is_edge_on = self.corners().is_some_and(|corners| line.facing(corners) == Equal);
+        is_edge_on || self.facets.iter().any(is_in)
     }
 }
 
@@ -187,9 +183,7 @@ impl<'s> Hits<'s> {
         let rounding = ROUNDING * (self.line.origin().length() + found.t * self.line.speed() + part.greatest);
         let is_against = normal.dot(self.line.way()) <= NARROW;
         let is_at_start = first.compare(0.0) == Equal && normal.distance(-self.line.way()) <= NARROW;
-        let is_face = query == Query::Cast
-            || found.status == Status::Within
-            || part.is_face(self.line, point, normal, allowance + rounding);
+        let is_face = query == Query::Cast || part.is_face(self.line, point, normal, allowance + rounding);
         match () {
             () if !is_narrow => Some("the interval is wide"),
             () if !is_near(first) => Some("t is of another surface"),

@@ -9,14 +9,17 @@
 //! 2. A pair of the last frame updates its manifold, with its solver cache. Another pair tries an
 //!    empty manifold, and gets an entry if it has points.
 //! 3. Normals at edges between the parts of a compound are corrected ([`seams`](super::seams)).
-//! 4. Pairs that no longer touch leave their entries.
+//! 4. If the correction leaves no pair, the deepest of those that it has removed stays: no body that
+//!    touches is without a manifold. This happens where a body is smaller than the steps of the f32
+//!    coordinates, at which all normals are in doubt.
+//! 5. Pairs that no longer touch leave their entries.
 
 use super::bvh::{Node, Placement};
 use super::half_space::Descent;
 use super::joined::Joined;
 use super::near::{NearParts, NearTriangles};
 use super::parts::Parts;
-use super::seams::{self, Side, Union};
+use super::seams::{self, Correction, Side, Union};
 use super::sheet::{BesideSheet, CandidatePair};
 use super::traversal::Traversal;
 use crate::manifold::{Manifold, ManifoldSettings};
@@ -182,7 +185,7 @@ impl CompoundManifolds {
         let mut triangles = NearTriangles::new();
         let near = NearParts::new((a, b, b_in_a), settings, &mut triangles);
         let in_a = (self.welds && a.part_count() > 1).then_some((&near as &dyn Union, 0, Pose::IDENTITY));
-        self.update_within(in_a, &near, (a, b, b_in_a), settings)
+        self.update_within(in_a, true, &near, (a, b, b_in_a), settings)
     }
 
     /// [`update`](Self::update) for a mesh or a compound that meets others: `a` is the tile `tile`
@@ -205,14 +208,15 @@ impl CompoundManifolds {
         let in_a = in_a.map(|(first, place)| (joined as &dyn Union, first, place));
         let mut triangles = NearTriangles::new();
         let near = NearParts::new((a, b, b_in_a), settings, &mut triangles);
-        self.update_within(in_a, &near, (a, b, b_in_a), settings)
+        self.update_within(in_a, false, &near, (a, b, b_in_a), settings)
     }
 
     /// Updates the manifolds of `a`, which is in a union: the union, the index of its first part
-    /// there, and its pose. `near` has the parts of `a` near the body.
+    /// there, its pose, and whether it is all of it. `near` has the parts of `a` near the body.
     fn update_within<A: Parts + ?Sized, B: Parts + ?Sized>(
         &mut self,
         in_a: Option<(&dyn Union, usize, Pose)>,
+        is_whole: bool,
         near: &NearParts<'_, A>,
         (a, b, b_in_a): (&A, &B, Pose),
         settings: &ManifoldSettings,
@@ -220,7 +224,7 @@ impl CompoundManifolds {
         let mut frame = self.start();
         let union_b = seams::union_of(b);
         let in_b = (self.welds && b.part_count() > 1).then_some(&union_b as &dyn Union);
-        let bodies = BodyPair { b_in_a, in_a, in_b, settings };
+        let bodies = BodyPair { b_in_a, in_a, in_b, is_whole, settings };
         if let Some(part) = b.part(0).filter(|_| b.part_count() == 1) {
             let radius = part.outer_radius();
             let ball = (b_in_a.transform_point(part.interior_point()), radius);
@@ -267,19 +271,28 @@ impl CompoundManifolds {
         pair: [usize; 2],
         parts: &CandidatePair<'_, A, B>,
     ) {
-        let BodyPair { b_in_a, in_a, in_b, settings } = *bodies;
+        let BodyPair { b_in_a, in_a, in_b, settings, .. } = *bodies;
         if in_a.is_none() && in_b.is_none() {
             self.visit(frame, pair, |manifold, cache| parts.update(manifold, settings, cache));
             return;
         }
         let side_a = Side { shape: &parts.a, union: in_a.map(|(union, first, place)| (union, first + pair[0], place)) };
         let side_b = Side { shape: &parts.b, union: in_b.map(|union| (union, pair[1], Pose::IDENTITY)) };
+        let mut removed = None;
         self.visit(frame, pair, |manifold, cache| {
             let before = manifold.clone();
             let contact = parts.update(manifold, settings, cache);
-            seams::weld(manifold, &before, &side_a, &side_b, b_in_a, settings);
+            let correction = seams::correct(manifold, &before, &side_a, &side_b, b_in_a, settings);
+            if correction == Correction::Unsupported {
+                removed = Some(manifold.clone());
+                manifold.clear();
+            }
             contact
         });
+        // Another tile may support the body.
+        if let Some(manifold) = removed.filter(|_| bodies.is_whole) {
+            frame.remove(pair, manifold);
+        }
     }
 
     /// [`update`](Self::update) for a half-space as A, which has one part.
@@ -320,7 +333,7 @@ impl CompoundManifolds {
         for entry in &self.order[..self.used] {
             self.entries[*entry].touches = false;
         }
-        Frame { old: self.used, counts: ManifoldCounts::default() }
+        Frame { old: self.used, counts: ManifoldCounts::default(), removed: None }
     }
 
     /// Updates the manifold of a pair, and assigns an entry to a new pair that touches.
@@ -375,7 +388,7 @@ impl CompoundManifolds {
     /// Frees the entries of pairs that do not touch.
     #[expect(clippy::indexing_slicing, reason = "`order` is a permutation of the entries; `used` is within")]
     fn finish(&mut self, frame: Frame) -> ManifoldCounts {
-        let Self { entries, order, used, .. } = self;
+        let Self { entries, order, used, others, .. } = self;
         let mut kept = 0;
         for at in 0..*used {
             let entry = &mut entries[order[at]];
@@ -385,6 +398,12 @@ impl CompoundManifolds {
             } else {
                 entry.manifold.clear();
             }
+        }
+        if let Some((pair, manifold)) = frame.removed.filter(|_| kept == 0) {
+            let entry = &mut entries[order[0]];
+            entry.cache.copy_from(others.pair(pair));
+            (entry.pair, entry.touches, entry.manifold) = (pair, true, manifold);
+            kept = 1;
         }
         order[..kept].sort_unstable_by_key(|entry| entries[*entry].pair);
         *used = kept;
@@ -448,9 +467,22 @@ struct Frame {
     /// Number of entries in use before it.
     old: usize,
     counts: ManifoldCounts,
+    /// The deepest manifold that the correction has removed.
+    removed: Option<([usize; 2], Manifold)>,
 }
 
 impl Frame {
+    fn remove(&mut self, pair: [usize; 2], manifold: Manifold) {
+        // Ties go to the lowest pair, so that the answer does not depend on the order of visits.
+        let is_first = self.removed.as_ref().is_none_or(|(other, deepest)| {
+            let [own, most] = [&manifold, deepest].map(Manifold::deepest);
+            own > most || own == most && pair < *other
+        });
+        if is_first {
+            self.removed = Some((pair, manifold));
+        }
+    }
+
     fn count(&mut self, contact: &Contact) {
         self.counts.pairs += 1;
         self.counts.iterations += contact.iterations;
@@ -463,5 +495,7 @@ struct BodyPair<'u> {
     /// The union that A is in, the index of its first part there, and its pose.
     in_a: Option<(&'u dyn Union, usize, Pose)>,
     in_b: Option<&'u dyn Union>,
+    /// Whether A is all of its union.
+    is_whole: bool,
     settings: &'u ManifoldSettings,
 }

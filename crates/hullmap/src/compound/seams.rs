@@ -184,8 +184,34 @@ pub fn weld<A: Shape + ?Sized, B: Shape + ?Sized>(
     b_in_a: Pose,
     settings: &ManifoldSettings,
 ) -> bool {
+    match correct(manifold, before, a, b, b_in_a, settings) {
+        Correction::Kept => return false,
+        Correction::Replaced => {}
+        Correction::Unsupported => manifold.clear(),
+    }
+    true
+}
+
+/// What the correction of a manifold came to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Correction {
+    Kept,
+    Replaced,
+    /// The part does not support the body. The manifold has not changed.
+    Unsupported,
+}
+
+/// [`weld`], but a manifold of a part that does not support the body stays.
+pub(super) fn correct<A: Shape + ?Sized, B: Shape + ?Sized>(
+    manifold: &mut Manifold,
+    before: &Manifold,
+    a: &Side<'_, A>,
+    b: &Side<'_, B>,
+    b_in_a: Pose,
+    settings: &ManifoldSettings,
+) -> Correction {
     if manifold.points().is_empty() || a.union.is_none() && b.union.is_none() {
-        return false;
+        return Correction::Kept;
     }
     let reach = a.shape.outer_radius().min(b.shape.outer_radius());
     let rounding = a.farthest(manifold, |p| p.point_a).max(b.farthest(manifold, |p| p.local_b)) * ROUNDING;
@@ -193,7 +219,7 @@ pub fn weld<A: Shape + ?Sized, B: Shape + ?Sized>(
     let pair = PartPair { a, b, b_in_a, seam };
     let a_allows = pair.a_allows(manifold);
     if a_allows && pair.b_allows(manifold) {
-        return false;
+        return Correction::Kept;
     }
     pair.replace(a_allows, manifold, before, settings)
 }
@@ -486,10 +512,15 @@ impl<A: Shape + ?Sized, B: Shape + ?Sized> PartPair<'_, A, B> {
     }
 
     /// Computes the manifold along the normal of the least deep exposed face: of B's part if
-    /// `a_allows` the normal, otherwise of A's. Returns false, and changes nothing, if the part has
-    /// no faces.
+    /// `a_allows` the normal, otherwise of A's. A part without faces keeps its manifold.
     #[inline(never)]
-    fn replace(&self, a_allows: bool, manifold: &mut Manifold, before: &Manifold, settings: &ManifoldSettings) -> bool {
+    fn replace(
+        &self,
+        a_allows: bool,
+        manifold: &mut Manifold,
+        before: &Manifold,
+        settings: &ManifoldSettings,
+    ) -> Correction {
         let b_in_a = self.b_in_a;
         let update = |trial: &mut Manifold, along: DVec3| {
             trial.update_along((self.a.shape, self.b.shape, b_in_a), along, settings);
@@ -521,10 +552,10 @@ impl<A: Shape + ?Sized, B: Shape + ?Sized> PartPair<'_, A, B> {
         of_other: impl Fn(DVec3) -> (DVec3, Body),
         to_a: impl Fn(DVec3) -> DVec3,
         settings: &ManifoldSettings,
-    ) -> bool {
+    ) -> Correction {
         match choice {
-            Choice::NoFaces => return false,
-            Choice::Nothing => manifold.clear(),
+            Choice::NoFaces => return Correction::Kept,
+            Choice::Nothing => return Correction::Unsupported,
             Choice::Manifold(chosen) => *manifold = chosen,
             Choice::Point(point, normal) => {
                 *manifold = before.clone();
@@ -532,7 +563,8 @@ impl<A: Shape + ?Sized, B: Shape + ?Sized> PartPair<'_, A, B> {
                 manifold.update_at(pair, to_a(normal), of_other(point), settings);
             }
         }
-        true
+        // The other body may be beside the face.
+        if manifold.points().is_empty() { Correction::Unsupported } else { Correction::Replaced }
     }
 }
 

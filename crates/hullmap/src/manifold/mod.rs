@@ -306,6 +306,11 @@ impl Manifold {
         self.status = Status::Separated;
     }
 
+    /// Depth of the deepest point; negative infinity without any.
+    pub(crate) fn deepest(&self) -> f64 {
+        self.points.iter().map(|point| point.depth).fold(f64::NEG_INFINITY, f64::max)
+    }
+
     /// Updates the points for `a` and for `b` placed at `b_in_a`, and returns the contact of the
     /// two.
     ///

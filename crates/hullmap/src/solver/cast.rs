@@ -190,8 +190,30 @@ pub(super) fn cast_sharp<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     settings: &CastSettings,
     axis: Option<DVec3>,
 ) -> Impact {
+    enter_along((a, b, b_in_a), path, &query(a, b, path, settings), axis)
+}
+
+/// [`cast_sharp`] of a point along a ray. On a polytope, the normal is that of a face.
+#[inline]
+pub(super) fn cast_dot<S: SupportMap + ?Sized, D: SupportMap>(
+    (shape, dot, start): (&S, &D, Pose),
+    path: Path,
+    settings: &CastSettings,
+) -> Impact {
+    let query = query(shape, dot, path, settings);
+    let gap = if shape.polytope_vertex(0).is_some() { f64::NEG_INFINITY } else { query.gap };
+    enter_along((shape, dot, start), path, &LineQuery { gap, ..query }, None)
+}
+
+#[inline]
+fn enter_along<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    (a, b, b_in_a): (&A, &B, Pose),
+    path: Path,
+    query: &LineQuery,
+    axis: Option<DVec3>,
+) -> Impact {
     let mut m = Minkowski::new(a, b, b_in_a);
-    let entry = enter(&mut m, &query(a, b, path, settings), axis);
+    let entry = enter(&mut m, query, axis);
     impact(&entry, path, m.support_calls())
 }
 
@@ -201,11 +223,13 @@ fn query<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     path: Path,
     settings: &CastSettings,
 ) -> LineQuery {
+    let tolerance = settings.relative_tolerance() * (a.outer_radius() + b.outer_radius());
     LineQuery {
         direction: path.direction,
         // Rounded up: the limit itself counts.
         limit: path.length(settings.limit()) * (1.0 + 2.0 * f64::EPSILON),
-        tolerance: settings.relative_tolerance() * (a.outer_radius() + b.outer_radius()),
+        tolerance,
+        gap: tolerance,
         max_iterations: settings.max_iterations,
     }
 }

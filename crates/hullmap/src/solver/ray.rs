@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use super::cache::Cache;
-use super::cast::{cast_by_support, cast_sharp};
+use super::cast::{cast_by_support, cast_dot};
 use super::motion::{CastSettings, Ray};
 use super::ray_hit::RayHit;
-use super::ray_polytope::{NARROW, ray_polytope};
+use super::ray_polytope::ray_polytope;
 use super::status::Status;
 use crate::pose::Pose;
 use crate::support::{SupportMap, SupportPoint};
@@ -41,16 +41,14 @@ impl SupportMap for Dot {
 pub(crate) fn ray<S: SupportMap + ?Sized>(shape: &S, ray: &Ray, settings: &CastSettings) -> RayHit {
     let start = Pose::from_checked(ray.origin());
     let found = match ray.motion().path() {
-        Some(path) if !(shape.convex_radius() > 0.0) => cast_sharp((shape, &Dot, start), path, settings, None),
+        Some(path) if !(shape.convex_radius() > 0.0) => cast_dot((shape, &Dot, start), path, settings),
         _ => cast_by_support((shape, &Dot, start), ray.motion(), settings, &mut Cache::new()),
     };
     let found = found.ray_hit(if found.hit { ray.point_at(found.t) } else { ray.origin() });
     // Rounding error decides between hit and miss, whether the hit is before the end, or where
     // along an edge it is.
-    let is_wide = found.t_upper - found.t_lower > NARROW * found.t_upper;
     let is_open = match found.status {
-        Status::Touching => true,
-        Status::Stalled | Status::IterationLimit if is_wide => true,
+        Status::Touching | Status::Stalled | Status::IterationLimit => true,
         _ => found.hit && found.t_upper > settings.limit(),
     };
     if is_open && shape.polytope_vertex(0).is_some() {

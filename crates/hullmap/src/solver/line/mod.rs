@@ -34,7 +34,7 @@ mod portal;
 use glam::DVec3;
 
 use self::clip::Clip;
-use self::portal::{End, LineSearch, Pierced, Portal, Sense};
+use self::portal::{End, FACE_ERRORS, LineSearch, Pierced, Portal, Sense};
 use super::barycentric::blend;
 use super::bound::Bound;
 use super::minkowski::Minkowski;
@@ -59,6 +59,9 @@ pub(super) struct LineQuery {
     pub(super) direction: DVec3,
     pub(super) limit: f64,
     pub(super) tolerance: f64,
+    /// Width of the interval at which the search ends before the surface: the tolerance, or −∞ if
+    /// the normal must be that of a face.
+    pub(super) gap: f64,
     /// Maximum number of steps.
     pub(super) max_iterations: u32,
 }
@@ -143,7 +146,7 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'_, '_, A, B> {
             }
         }
         let mut entry = start;
-        let end = self.refine(&mut entry, Sense::Entry, known, (query.tolerance, limit));
+        let end = self.refine(&mut entry, Sense::Entry, known, (query.gap, limit));
         match end {
             End::Missed => Entry::miss(self.clip.last, 0),
             End::Passed if is_ahead => self.inside([&entry, &start]),
@@ -210,7 +213,9 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'_, '_, A, B> {
         (entry, at): (&Portal, f64),
         exit: &Portal,
     ) -> Entry {
-        if self.clip.entry < self.clip.lower {
+        let along = self.clip.normal.dot(self.clip.direction).abs();
+        // NaN, where there is no plane yet, takes the branch.
+        if !((self.clip.lower - self.clip.entry) * along <= FACE_ERRORS * self.clip.error) {
             // The ball around the set is no plane, and it is farther out than this one.
             self.probe(DVec3::NEG_Z);
         }

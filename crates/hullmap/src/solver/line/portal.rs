@@ -27,12 +27,16 @@ use crate::polygon::edge_distance;
 use crate::solver::barycentric::on_triangle;
 use crate::solver::minkowski::{Minkowski, Point};
 use crate::support::SupportMap;
+use crate::vector::unit;
 
 /// Maximum number of steps of discovery. Most lines need 2 to 4.
 const MAX_DISCOVERY_STEPS: u32 = 64;
 
 /// A support plane this many errors beyond a portal or less is on it.
 const FLAT_ERRORS: f64 = 2.0;
+
+/// An entry this many errors below the plane of a face, or less, is on it.
+pub(super) const FACE_ERRORS: f64 = 4.0;
 
 /// Weights of the corners in the point towards which a line on an edge is moved. They differ, so
 /// that the point is on no symmetry of a symmetric triangle.
@@ -265,7 +269,7 @@ impl<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'m, 's, 
     ///
     /// It ends early if the portal is certainly beyond the line's origin, given the clearance.
     pub(super) fn refine(&mut self, portal: &mut Portal, sense: Sense, clearance: f64, terms: (f64, u32)) -> End {
-        let (tolerance, limit) = terms;
+        let (gap, limit) = terms;
         let nudge = (0..3).fold(DVec3::ZERO, |sum, i| sum + portal.corners[i].at * NUDGE[i]);
         let sign = if sense == Sense::Entry { -1.0 } else { 1.0 };
         loop {
@@ -291,17 +295,31 @@ impl<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'m, 's, 
             // out.
             let (gain, flat) = (n.dot(new.at - a), FLAT_ERRORS * self.clip.error);
             if !(gain > 0.0 && gain * gain > flat * flat * n.length_squared()) {
+                if sense == Sense::Entry {
+                    self.keep_face(n, new.at);
+                }
                 return End::OnSurface;
             }
             // The plane may be behind the line's origin: then the origin may be inside, and the
             // search continues.
             let open = if sense == Sense::Entry { at - self.clip.entry } else { self.clip.upper - at };
-            if open <= tolerance {
+            if open <= gap {
                 return End::Narrow;
             }
             let [on_a, on_b, on_c] = [a, b, c].map(|corner| self.is_left(new.at, corner, nudge));
             let sides = usize::from(on_a) | usize::from(on_b) << 1 | usize::from(on_c) << 2;
             portal.corners[REPLACED[sides]] = new;
+        }
+    }
+
+    /// Keeps the normal `n` of the plane of the last portal, through `at`, if the line enters
+    /// through this plane as late as through any other. At an edge, another plane may be as late.
+    fn keep_face(&mut self, n: DVec3, at: DVec3) {
+        let below = n.dot(at) - n.z * self.clip.entry;
+        // NaN takes the failing branch.
+        if n.z < 0.0 && below <= FACE_ERRORS * self.clip.error * n.length() {
+            let [x, y] = self.across;
+            self.clip.normal = unit(x * n.x + y * n.y + self.clip.direction * n.z).unwrap_or(self.clip.normal);
         }
     }
 
