@@ -47,7 +47,7 @@ mod surface;
 use crate::pose::Pose;
 use crate::shapes::feature::tilted_toward;
 use crate::shapes::{Corner, Feature, Shape, TILT};
-use crate::solver::{Cache, Contact, Status};
+use crate::solver::{Cache, Contact, Settings, Status};
 use crate::support::SupportPoint;
 use arrayvec::ArrayVec;
 pub(crate) use clip::Body;
@@ -87,6 +87,9 @@ const BALANCED: f64 = 0.05;
 /// smaller shape's outer radius: ten times the slack of clipping. Rays miss at the corners of discs
 /// that lie on each other, and a stack falls if these have no points.
 const INWARD: f64 = 1e-5;
+
+/// Maximum number of steps of a second search for the contact of curved shapes.
+const MOST_AGAIN: u32 = 128;
 
 /// Tangent of the maximum angle between the normal and a direction in which a tipping body's far
 /// side is searched for.
@@ -336,12 +339,37 @@ impl Manifold {
     ) -> Contact {
         let reach = a.outer_radius().min(b.outer_radius());
         let prediction = settings.prediction.length(reach);
-        let near = near_contact((a, b, b_in_a), &settings.contact, [prediction, ON_SURFACE * reach], cache);
-        let Near { contact, depth, width, status } = near;
+        let lengths = [prediction, ON_SURFACE * reach];
+        let near = near_contact((a, b, b_in_a), &settings.contact, lengths, cache);
+        // Where edges face each other, and one is curved, a point that is off within the tolerance is
+        // beside the other edge.
+        if self.update_near((a, b, b_in_a), &near, [prediction, reach], near.status != Status::Exact) {
+            return near.contact;
+        }
+        let max_iterations = settings.contact.max_iterations.min(MOST_AGAIN);
+        let exact = Settings { tolerance: 0.0, max_iterations };
+        let again = near_contact((a, b, b_in_a), &exact, lengths, cache);
+        self.update_near((a, b, b_in_a), &again, [prediction, reach], false);
+        let iterations = near.contact.iterations + again.contact.iterations;
+        Contact { iterations, support_calls: near.contact.support_calls + again.contact.support_calls, ..again.contact }
+    }
+
+    /// Updates the points for a contact. `lengths` are the prediction and the smaller outer radius.
+    ///
+    /// If no point is about as deep as the contact, and `is_trial`, it returns false, and leaves the
+    /// points.
+    fn update_near<A: Shape + ?Sized, B: Shape + ?Sized>(
+        &mut self,
+        (a, b, b_in_a): (&A, &B, Pose),
+        near: &Near,
+        [prediction, reach]: [f64; 2],
+        is_trial: bool,
+    ) -> bool {
+        let Near { ref contact, depth, width, status } = *near;
         // NaN takes the branch that clears.
         if !(depth >= -prediction) {
             self.clear();
-            return contact;
+            return true;
         }
         let frame = Frame::new((contact.point_a + contact.point_b) * 0.5, contact.normal);
         let lengths = Lengths { depth, width, prediction, reach };
@@ -368,16 +396,22 @@ impl Manifold {
         choice = settled((a, b, b_in_a), &mut patch, choice, (&frame, &features), &lengths);
         // Between the corners of a feature that is not flat, the surface may be less deep.
         let deep = choice.indices().iter().map(|i| patch.points()[*i].depth()).fold(f64::NEG_INFINITY, f64::max);
-        if depth > deep + lengths.slight()
-            && let Some(point) = witness((a, b, b_in_a), (&frame, &features), [lengths.height_above(), reach], point)
-            && point.depth() >= -prediction
-        {
-            let index = patch.put(point);
-            choice.insert(&patch.spots(), index);
+        if depth > deep + lengths.slight() {
+            let points = (point, [contact.point_a, contact.point_b], width <= ON_SURFACE * reach);
+            let found = witness((a, b, b_in_a), (&frame, &features), [lengths.height_above(), reach], points);
+            let reached = found.as_ref().map_or(deep, PatchPoint::depth);
+            // NaN takes the failing branch.
+            if is_trial && !(depth <= reached + lengths.slight()) {
+                return false;
+            }
+            if let Some(point) = found.and_then(|point| lengths.near_enough(point)) {
+                let index = patch.put(point);
+                choice.insert(&patch.spots(), index);
+            }
         }
         self.replace(&patch, choice, &frame, b_in_a, &lengths);
         self.status = status;
-        contact
+        true
     }
 
     /// Updates the points as [`update`](Self::update) does, along a given unit normal from A to B,
@@ -569,6 +603,15 @@ impl Lengths {
     /// Greatest depth of a point: of the contact, or of its upper bound if the interval is wide.
     fn greatest(&self) -> f64 {
         if self.width > ON_SURFACE * self.reach { self.depth + self.width } else { self.depth }
+    }
+
+    /// A point that is within the prediction; also one that is beyond it by less than points may be
+    /// off, whose surfaces give way by half of that.
+    fn near_enough(&self, point: PatchPoint) -> Option<PatchPoint> {
+        let beyond = (-self.prediction - point.depth()).max(0.0);
+        let heights = [point.heights[0] + 0.5 * beyond, point.heights[1] - 0.5 * beyond];
+        // NaN takes the failing branch.
+        (beyond <= ON_SURFACE * self.reach).then_some(PatchPoint { heights, ..point })
     }
 
     /// Depths that differ by less than this count as equal.

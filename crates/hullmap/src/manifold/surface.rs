@@ -6,11 +6,12 @@
 
 #![forbid(unsafe_code)]
 
+use super::INWARD;
 use super::clip::{Body, Frame, PatchPoint, nearest_on};
 use crate::pose::Pose;
 use crate::shapes::{Corner, Feature, Shape};
 use crate::solver::Ray;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Moves a point of the patch to the surfaces of A and B along the normal of `frame`, from `above`
 /// both surfaces: a length. Returns false if a surface is not there. `features` are the features of
@@ -35,20 +36,33 @@ pub(super) fn settle<A: Shape + ?Sized, B: Shape + ?Sized>(
     true
 }
 
-/// The contact's own `point` on both surfaces, from `above` them; `None` if a surface is not there.
-/// `reach` is the smaller outer radius.
+/// The contact's own point, between its points on A and on B, on both surfaces, from `above` them;
+/// `None` if a surface is not there. `reach` is the smaller outer radius.
 ///
-/// If the contact has stalled, its two points are not on a line along the normal. Then the support
-/// point of one shape is taken, and the place on the other one's face that is nearest to it, or on
-/// the line through it.
+/// If the contact has stalled, or a curved shape meets an edge, its two points are not on a line
+/// along the normal. Then one of them is taken that is on its surface: on a polytope, or on any
+/// shape if the interval is narrow. Otherwise the support point of one shape is taken, and the place
+/// on the other one's face that is nearest to it, or on the line through it.
 pub(super) fn witness<A: Shape + ?Sized, B: Shape + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     (frame, features): (&Frame, &[Feature; 2]),
     [above, reach]: [f64; 2],
-    point: PatchPoint,
+    (point, points, are_on_surface): (PatchPoint, [DVec3; 2], bool),
 ) -> Option<PatchPoint> {
     let settled = |mut point: PatchPoint| settle((a, b, b_in_a), frame, features, above, &mut point).then_some(point);
     if let Some(found) = settled(point) {
+        return Some(found);
+    }
+    let through = |on: DVec3, exact| {
+        let heights = [(on - frame.origin).dot(frame.normal); 2];
+        settled(PatchPoint { at: frame.projected(on), heights, exact, ..point })
+    };
+    let is_on = [a.polytope_vertex(0), b.polytope_vertex(0)].map(|vertex| vertex.is_some() || are_on_surface);
+    let own = is_on[0].then(|| through(points[0], [true, false])).flatten();
+    let own = own.or_else(|| is_on[1].then(|| through(points[1], [false, true])).flatten());
+    if let Some(found) = own
+        .or_else(|| inward((a, b, b_in_a), frame, point.at, reach).find_map(|at| settled(PatchPoint { at, ..point })))
+    {
         return Some(found);
     }
     let (on_a, on_b) = (a.support_point(frame.normal), b.support_point(b_in_a.inverse_transform_vector(-frame.normal)));
@@ -56,14 +70,23 @@ pub(super) fn witness<A: Shape + ?Sized, B: Shape + ?Sized>(
     let on_b = Corner { point: b_in_a.transform_point(on_b.point), vertex: on_b.feature };
     let [face_a, face_b] = features;
     let over = |face, corner, body| nearest_on(face, (corner, body), frame, reach).and_then(settled);
-    let through = |corner: &Corner, exact| {
-        let heights = [(corner.point - frame.origin).dot(frame.normal); 2];
-        settled(PatchPoint { at: frame.projected(corner.point), heights, exact, ..point })
-    };
     over(face_a, &on_b, Body::B)
         .or_else(|| over(face_b, &on_a, Body::A))
-        .or_else(|| through(&on_b, [false, true]))
-        .or_else(|| through(&on_a, [true, false]))
+        .or_else(|| through(on_b.point, [false, true]))
+        .or_else(|| through(on_a.point, [true, false]))
+}
+
+/// Places beside `at` that are farther inside of A, of B, or of both, seen along the normal. Where two
+/// edges cross, a ray through their common point misses one of them by rounding error.
+fn inward<A: Shape + ?Sized, B: Shape + ?Sized>(
+    (a, b, b_in_a): (&A, &B, Pose),
+    frame: &Frame,
+    at: DVec2,
+    reach: f64,
+) -> impl Iterator<Item = DVec2> {
+    let towards = |middle: DVec3| (frame.projected(middle) - at).normalize_or_zero();
+    let [to_a, to_b] = [towards(a.interior_point()), towards(b_in_a.transform_point(b.interior_point()))];
+    [(to_a + to_b).normalize_or_zero(), to_a, to_b].into_iter().map(move |way| at + way * (INWARD * reach))
 }
 
 /// [`settle`] for the surface of B alone. `near` is a vertex of B close to the point.

@@ -134,28 +134,32 @@ pub(crate) fn cast<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     let is_point = |radius: f64, center: DVec3| radius == 0.0 && center == DVec3::ZERO;
     let (start, velocity) = (b_in_a.translation(), motion.velocity());
     if is_point(b.outer_radius(), b.interior_point()) && a.polytope_vertex(0).is_some() {
-        return cast_point(&|index| a.polytope_vertex(index), [start, velocity], settings, found);
+        return cast_point(&|index| a.polytope_vertex(index), [start, velocity], settings, a.outer_radius(), found);
     }
     let is_turned = b_in_a.rotation() != DQuat::IDENTITY;
     if is_point(a.outer_radius(), a.interior_point()) && !is_turned && b.polytope_vertex(0).is_some() {
         let seen_from_b = Impact { normal: -found.normal, ..found };
-        let found = cast_point(&|index| b.polytope_vertex(index), [-start, -velocity], settings, seen_from_b);
+        let found =
+            cast_point(&|index| b.polytope_vertex(index), [-start, -velocity], settings, b.outer_radius(), seen_from_b);
         return Impact { normal: -found.normal, point_a: DVec3::ZERO, point_b: DVec3::ZERO, ..found };
     }
     found
 }
 
-/// Exact answer for `grazing`, the cast of a point from `start` that grazes a polytope.
+/// Exact answer for `grazing`, the cast of a point from `start` that grazes a polytope of an outer
+/// radius.
 #[cold]
 fn cast_point(
     vertices: Vertices<'_>,
     [start, velocity]: [DVec3; 2],
     settings: &CastSettings,
+    radius: f64,
     grazing: Impact,
 ) -> Impact {
     let Ok(ray) = Ray::new(start, velocity) else { return grazing };
     let as_ray = grazing.ray_hit(grazing.point_a);
-    let RayHit { hit, status, t, t_lower, t_upper, point, normal, .. } = ray_polytope(vertices, &ray, settings, as_ray);
+    let RayHit { hit, status, t, t_lower, t_upper, point, normal, .. } =
+        ray_polytope(vertices, &ray, settings, radius, as_ray);
     let point = if hit { point } else { DVec3::ZERO };
     Impact { hit, status, t, t_lower, t_upper, normal, point_a: point, point_b: point, ..grazing }
 }

@@ -52,7 +52,7 @@ pub(crate) fn ray<S: SupportMap + ?Sized>(shape: &S, ray: &Ray, settings: &CastS
         _ => found.hit && found.t_upper > settings.limit(),
     };
     if is_open && shape.polytope_vertex(0).is_some() {
-        return ray_polytope(&|index| shape.polytope_vertex(index), ray, settings, found);
+        return ray_polytope(&|index| shape.polytope_vertex(index), ray, settings, shape.outer_radius(), found);
     }
     found
 }

@@ -33,18 +33,20 @@ const MAX_PIVOTS: u32 = 100;
 /// the farthest vertex may lead around in a circle.
 const STEADY_PIVOTS: u32 = 20;
 
-/// Width of an interval relative to t, up to which a bound that was not reached counts as within
-/// the tolerance.
-pub(super) const NARROW: f64 = 1e-9;
-
 /// Vertices of a polytope, from the index 0 on.
 pub(super) type Vertices<'v> = &'v dyn Fn(u32) -> Option<DVec3>;
 
-/// Exact answer for a ray that grazes a polytope or meets it near its end. `grazing` stays if
-/// the search reaches its limit without a decision.
+/// Exact answer for a ray that grazes a polytope of an outer radius, or meets it near its end.
+/// `grazing` stays if the search reaches its limit without a decision.
 #[cold]
 #[inline(never)]
-pub(super) fn ray_polytope(vertices: Vertices<'_>, ray: &Ray, settings: &CastSettings, grazing: RayHit) -> RayHit {
+pub(super) fn ray_polytope(
+    vertices: Vertices<'_>,
+    ray: &Ray,
+    settings: &CastSettings,
+    radius: f64,
+    grazing: RayHit,
+) -> RayHit {
     let RayHit { iterations, support_calls, .. } = grazing;
     let miss = RayHit { iterations, support_calls, normal: grazing.normal, ..RayHit::miss(ray) };
     let search = Search { line: ExactRay::new(ray, settings), vertices };
@@ -63,7 +65,8 @@ pub(super) fn ray_polytope(vertices: Vertices<'_>, ray: &Ray, settings: &CastSet
     let mut status = Status::Exact;
     if !is_first && !found.is_behind {
         t_lower = grazing.t_lower.min(t_lower);
-        status = if t_upper - t_lower <= NARROW * t_upper { Status::Within } else { Status::Stalled };
+        let width = ray.motion().path().map_or(0.0, |path| path.length(t_upper - t_lower));
+        status = if width <= settings.relative_tolerance() * radius { Status::Within } else { Status::Stalled };
     }
     let point = ray.point_at(t);
     let normal = if found.is_behind { search.line.against() } else { search.outward(entry, point, grazing.normal) };

@@ -34,7 +34,7 @@ mod portal;
 use glam::DVec3;
 
 use self::clip::Clip;
-use self::portal::{End, FACE_ERRORS, LineSearch, Pierced, Portal, Sense};
+use self::portal::{End, LineSearch, Pierced, Portal, Sense};
 use super::barycentric::blend;
 use super::bound::Bound;
 use super::minkowski::Minkowski;
@@ -213,10 +213,11 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'_, '_, A, B> {
         (entry, at): (&Portal, f64),
         exit: &Portal,
     ) -> Entry {
-        let along = self.clip.normal.dot(self.clip.direction).abs();
-        // NaN, where there is no plane yet, takes the branch.
-        if !((self.clip.lower - self.clip.entry) * along <= FACE_ERRORS * self.clip.error) {
-            // The ball around the set is no plane, and it is farther out than this one.
+        let (open, moved) = (self.clip.lower - self.clip.entry, self.clip.error);
+        let is_same = open <= EXACT_ERRORS * moved && open * self.clip.normal.dot(self.clip.direction).abs() <= moved;
+        if !is_same {
+            // The ball around the set is no plane, and it is farther out than this one, which is moved
+            // outward by the error.
             self.probe(DVec3::NEG_Z);
         }
         let clip = &self.clip;

@@ -35,9 +35,6 @@ const MAX_DISCOVERY_STEPS: u32 = 64;
 /// A support plane this many errors beyond a portal or less is on it.
 const FLAT_ERRORS: f64 = 2.0;
 
-/// An entry this many errors below the plane of a face, or less, is on it.
-pub(super) const FACE_ERRORS: f64 = 4.0;
-
 /// Weights of the corners in the point towards which a line on an edge is moved. They differ, so
 /// that the point is on no symmetry of a symmetric triangle.
 const NUDGE: [f64; 3] = [0.41, 0.33, 0.26];
@@ -312,12 +309,12 @@ impl<'m, 's, A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'m, 's, 
         }
     }
 
-    /// Keeps the normal `n` of the plane of the last portal, through `at`, if the line enters
-    /// through this plane as late as through any other. At an edge, another plane may be as late.
+    /// Keeps the normal `n` of the plane of the last portal, through `at`, if no point of the line
+    /// before the entry is behind this plane. At an edge, another plane may have the same entry.
     fn keep_face(&mut self, n: DVec3, at: DVec3) {
-        let below = n.dot(at) - n.z * self.clip.entry;
+        let depth = n.dot(at) - n.z * self.clip.entry;
         // NaN takes the failing branch.
-        if n.z < 0.0 && below <= FACE_ERRORS * self.clip.error * n.length() {
+        if n.z < 0.0 && depth <= 0.0 {
             let [x, y] = self.across;
             self.clip.normal = unit(x * n.x + y * n.y + self.clip.direction * n.z).unwrap_or(self.clip.normal);
         }
