@@ -310,7 +310,7 @@ pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64, reachab
     let (from, how) = match solid {
         SolidKind::Watertight => ("the solid", ""),
         SolidKind::Closed => ("the solid", "; the mesh's holes were closed first"),
-        SolidKind::Sheet => ("the surface", "; the mesh encloses no solid"),
+        SolidKind::Walls => ("the walls", "; the mesh is open or encloses nothing, so its walls are its solid"),
     };
     let protrusion = short(protrusion);
     let place =
@@ -331,7 +331,7 @@ pub fn openings(name: &str, share: f64) -> Option<Remark> {
     (share >= OPENING).then(|| {
         let text = format!(
             "{name}: its holes were closed by triangles with {} of its area, and what they enclose counts as solid; to \
-             keep an opening, give the walls around it two sides",
+             keep the openings, add --solid walls",
             percent(share)
         );
         Remark { weight: share, ..Remark::warning("closed openings", name, text) }
@@ -564,14 +564,15 @@ mod tests {
     fn one_sentence_per_topic() {
         let names: Vec<String> = (0..12).map(|index| format!("p{index}")).collect();
         let flat = names.iter().map(|name| Remark::warning("flat", name, format!("hull {name} is flat")));
-        let fit = |uncovered| Some(PartsFit { solid: SolidKind::Sheet, uncovered, protrusion: 0.25 });
+        let fit = |uncovered| Some(PartsFit { solid: SolidKind::Walls, uncovered, protrusion: 0.25 });
         let cover =
             [("a", 0.0), ("b", 1e-3), ("c", 1e-4), ("d", 0.5)].map(|(name, gap)| parts(name, 2, fit(gap), 1.0, None));
         let (notes, warnings) = summarise(flat.chain(cover));
         assert_eq!(
             notes,
             ["b: 2 parts; the surface lies at most 0.001 outside all parts, and no part protrudes more than 0.25 \
-              from the surface; the mesh encloses no solid (and 2 more like it: a, c)"]
+              from the walls; the mesh is open or encloses nothing, so its walls are its solid (and 2 more like it: a, \
+              c)"]
         );
         assert_eq!(warnings[0], "hull p0 is flat (and 11 more like it: p1, p2, p3, p4, p5, p6, p7, p8, …)");
         assert!(warnings.len() == 2 && warnings[1].starts_with("d: 2 parts;"), "{warnings:?}");

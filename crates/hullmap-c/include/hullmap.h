@@ -406,8 +406,8 @@ enum HullmapSolid
     HULLMAP_SOLID_WATERTIGHT = 1,
     // The mesh has holes, which were closed.
     HULLMAP_SOLID_CLOSED = 2,
-    // The mesh has no inside.
-    HULLMAP_SOLID_SHEET = 3,
+    // The solid is the triangles of the mesh alone: it is open, or encloses nothing.
+    HULLMAP_SOLID_WALLS = 3,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

@@ -74,9 +74,13 @@ typedef struct {
     // Maximum overlap of merged parts: the sum of their volumes minus the volume of their union,
     // as a share of the latter. Default: 0.05.
     double overlap;
-    // Thickness of the parts of a sheet, as a share of the diagonal; at most half of the maximum
+    // The solid of an open mesh. 1: its inside, after its holes are closed. 2: its walls, so that
+    // openings stay open. Default: its walls if half of its area has faces on both sides, or if a
+    // hole has more than an eighth of its area; otherwise its inside.
+    uint32_t solid;
+    // Thickness of the parts of walls, as a share of the diagonal; at most half of the maximum
     // error. Default: 0.005.
-    double min_thickness_share;
+    double wall_share;
     // Time for the decomposition and its bounds, in seconds. Parts may then protrude further, and
     // depend on the machine. Default: no limit.
     double seconds;

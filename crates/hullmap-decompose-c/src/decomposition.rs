@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use hullmap_bake::deadline::{Deadline, is_over};
 use hullmap_bake::decompose::{Cover, Length, decompose_in};
-use hullmap_bake::fit::{Solid, SolidKind, fits_around, looseness, mesh_mass, remainder, voids};
+use hullmap_bake::fit::{Solid, SolidKind, SolidRule, fits_around, looseness, mesh_mass, remainder, voids};
 use hullmap_bake::hull::{self, Hull};
 use hullmap_bake::mass::{Mass, mass};
 use hullmap_bake::progress::{Progress, Stage};
@@ -96,7 +96,7 @@ fn measured(mesh: &PointSet, cover: &Cover, hulls: &[Hull], deadline: Option<Dea
     let all: Vec<&Hull> = hulls.iter().collect();
     // With a maximum number of parts, the limit is not proven.
     let limit = cover.max_parts.is_none().then(|| cover.max_error.resolve(diagonal(&mesh.positions)));
-    let solid = (!mesh.triangles.is_empty()).then(|| cover.solid(mesh));
+    let solid = (!mesh.triangles.is_empty()).then(|| cover.solid_of(mesh));
     let fits = solid.as_ref().and_then(|solid| fits_around(solid, mesh, &all, limit, deadline));
     let protrusion = |index: usize| fits.as_ref().and_then(|fits| fits.get(index)).map_or(f64::NAN, |f| f.protrusion);
     let parts: Vec<OwnedPart> =
@@ -105,7 +105,7 @@ fn measured(mesh: &PointSet, cover: &Cover, hulls: &[Hull], deadline: Option<Dea
     let whole = solid.as_ref().filter(|_| is_early).and_then(|solid| Some((solid, hull::build(mesh).ok()?)));
     let loose = whole.map(|(solid, whole)| looseness(solid, &whole, &all));
     // Space that is not reachable does not belong to the mesh's own solid.
-    let own = solid.map(|solid| if cover.reachable.is_some() { Solid::new(mesh) } else { solid });
+    let own = solid.map(|solid| if cover.reachable.is_some() { Solid::by(mesh, cover.solid) } else { solid });
     let mass = mesh_mass(mesh);
     let empty = own.as_ref().zip(mass).filter(|_| is_early);
     let is_filled = |own: &Solid| cover.fill && own.kind() == SolidKind::Watertight && remainder(own, &all).is_empty();
@@ -143,7 +143,7 @@ fn cover(options: &Options) -> Result<Cover, Failure> {
         ("max_error", options.max_error),
         ("max_error_share", options.max_error_share),
         ("overlap", options.overlap),
-        ("min_thickness_share", options.min_thickness_share),
+        ("wall_share", options.wall_share),
         ("reachable", options.reachable),
         ("seconds", options.seconds),
     ] {
@@ -153,6 +153,10 @@ fn cover(options: &Options) -> Result<Cover, Failure> {
             return Err(Failure::new(Code::InvalidArgument, text));
         }
     }
+    let Some(solid) = SolidRule::ALL.get(options.solid as usize).copied() else {
+        let text = format_args!("options.solid: {} is none of 0, 1 and 2", options.solid);
+        return Err(Failure::new(Code::InvalidArgument, text));
+    };
     let usual = Cover::default();
     let max_vertices = if options.max_vertices == 0 { usual.max_vertices } else { options.max_vertices };
     if (max_vertices as usize) < MIN_VERTICES {
@@ -168,8 +172,9 @@ fn cover(options: &Options) -> Result<Cover, Failure> {
         max_parts: (options.max_parts > 0).then_some(options.max_parts),
         max_vertices,
         overlap: if options.overlap == 0.0 { usual.overlap } else { options.overlap },
-        min_thickness: match options.min_thickness_share {
-            0.0 => usual.min_thickness,
+        solid,
+        wall: match options.wall_share {
+            0.0 => usual.wall,
             share => Length::Relative(share),
         },
         symmetry: options.ignore_symmetry == 0,

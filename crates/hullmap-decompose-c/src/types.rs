@@ -40,9 +40,13 @@ pub struct Options {
     /// Maximum overlap of merged parts: the sum of their volumes minus the volume of their union,
     /// as a share of the latter. Default: 0.05.
     pub overlap: f64,
-    /// Thickness of the parts of a sheet, as a share of the diagonal; at most half of the maximum
+    /// The solid of an open mesh. 1: its inside, after its holes are closed. 2: its walls, so that
+    /// openings stay open. Default: its walls if half of its area has faces on both sides, or if a
+    /// hole has more than an eighth of its area; otherwise its inside.
+    pub solid: u32,
+    /// Thickness of the parts of walls, as a share of the diagonal; at most half of the maximum
     /// error. Default: 0.005.
-    pub min_thickness_share: f64,
+    pub wall_share: f64,
     /// Time for the decomposition and its bounds, in seconds. Parts may then protrude further, and
     /// depend on the machine. Default: no limit.
     pub seconds: f64,

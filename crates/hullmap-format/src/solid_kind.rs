@@ -1,4 +1,4 @@
-//! Kinds of solid that the parts of a mesh are measured against: `watertight`, `closed`, `sheet`.
+//! Kinds of solid that the parts of a mesh are measured against: `watertight`, `closed`, `walls`.
 
 use std::fmt;
 
@@ -9,20 +9,20 @@ pub enum SolidKind {
     Watertight,
     /// Holes were closed by cones over their loops, which decide what is inside near them.
     Closed,
-    /// The mesh encloses no volume: the solid is its surface alone.
-    Sheet,
+    /// The solid is the triangles alone: the mesh is open, or encloses nothing.
+    Walls,
 }
 
 impl SolidKind {
     /// All kinds, in order of their codes.
-    pub const ALL: [Self; 3] = [Self::Watertight, Self::Closed, Self::Sheet];
+    pub const ALL: [Self; 3] = [Self::Watertight, Self::Closed, Self::Walls];
 
     /// Name of the kind.
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::Watertight => "watertight",
             Self::Closed => "closed",
-            Self::Sheet => "sheet",
+            Self::Walls => "walls",
         }
     }
 
@@ -32,7 +32,7 @@ impl SolidKind {
         match self {
             Self::Watertight => 1,
             Self::Closed => 2,
-            Self::Sheet => 3,
+            Self::Walls => 3,
         }
     }
 

@@ -17,7 +17,7 @@ use glam::Vec3;
 use hullmap::{CastSettings, Compound, Cost, Hull, Pack, SolidKind};
 use hullmap_bake::advice::usability::{Flaw, thickness};
 use hullmap_bake::decompose::Cover;
-use hullmap_bake::fit::mesh_mass;
+use hullmap_bake::fit::{Solid, SolidRule, mesh_mass};
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{NO_SOURCE_VERTEX, PointSet};
 use hullmap_geometry::number::short;
@@ -109,7 +109,7 @@ pub struct HullVerification {
     pub protrusion: Option<f64>,
     /// Recorded point of greatest protrusion.
     pub protrusion_at: Option<[f64; 3]>,
-    /// Recorded kind of solid: `watertight`, `closed` or `sheet`.
+    /// Recorded kind of solid: `watertight`, `closed` or `walls`.
     pub solid: Option<&'static str>,
     /// Thickness of a solid: of a plate with its volume and surface area.
     pub thickness: Option<f64>,
@@ -370,8 +370,16 @@ fn verify_fit(hulls: &[Hull], mesh: &PointSet, cover: Option<&Cover>, results: &
     }
 }
 
+/// The solid that the hulls name. Packs of earlier versions closed every hole.
+fn named_solid(hulls: &[Hull], mesh: &PointSet, cover: Option<&Cover>) -> Solid {
+    let rule = cover.map_or(SolidRule::Auto, |cover| cover.solid);
+    let is_closed = hulls.first().and_then(Hull::solid) == Some(SolidKind::Closed);
+    let solid = if is_closed && rule == SolidRule::Auto { SolidRule::Closed } else { rule };
+    solid_of(mesh, Some(&Cover { solid, ..cover.copied().unwrap_or_default() }))
+}
+
 fn judge(hulls: &[Hull], mesh: &PointSet, cover: Option<&Cover>, results: &mut [HullVerification]) {
-    let judge = Judge::new(mesh, &solid_of(mesh, cover));
+    let judge = Judge::new(mesh, &named_solid(hulls, mesh, cover));
     let name = &mesh.name;
     let uncovered = hulls.first().and_then(Hull::uncovered).unwrap_or(0.0);
     if let Some(Witness { distance, at }) = judge.uncovered(mesh, hulls, uncovered) {

@@ -73,19 +73,19 @@ impl TriangleSoup {
     /// Lower bound on the distance of a point outside from the solid: closing triangles may bound
     /// it.
     pub fn gap(&self, p: DVec3) -> f64 {
-        let is_mesh_only = !self.has_closing || self.kind == SolidKind::Sheet;
+        let is_mesh_only = !self.has_closing || self.kind == SolidKind::Walls;
         self.nearest(p, is_mesh_only).map_or(f64::INFINITY, |(distance, _)| distance)
     }
 
     /// Whether rays find the point inside. A guess: a ray may graze an edge.
     pub fn seems_inside(&self, p: DVec3) -> bool {
         let is_in_bounds = (self.bounds[0] - p).max(p - self.bounds[1]).max_element() <= 0.0;
-        self.kind != SolidKind::Sheet && is_in_bounds && RAYS.iter().all(|ray| self.crossings(p, *ray) != 0)
+        self.kind != SolidKind::Walls && is_in_bounds && RAYS.iter().all(|ray| self.crossings(p, *ray) != 0)
     }
 
     /// Whether the point is certainly outside: by the sum of all solid angles, in O(triangles).
     pub fn is_outside(&self, p: DVec3) -> bool {
-        if self.kind == SolidKind::Sheet {
+        if self.kind == SolidKind::Walls {
             return true;
         }
         let of = |triangle: &Triangle| solid_angle(triangle.map(|corner| corner - p));

@@ -282,7 +282,7 @@ impl Hull {
     }
 
     /// Kind of solid that the part was measured against: `watertight`, `closed` (holes were closed)
-    /// or `sheet` (no inside); undefined if the part was not measured.
+    /// or `walls` (its triangles alone); undefined if the part was not measured.
     #[wasm_bindgen(getter)]
     pub fn solid(&self) -> Option<String> {
         self.0.hull().solid().map(|kind| kind.to_string())

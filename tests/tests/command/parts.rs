@@ -324,7 +324,7 @@ fn packs_made_by_hand_are_judged_as_well() {
         write_pack(&hulls, &SourceRecord { path: "x.obj".into(), hash, options, ..SourceRecord::default() }).unwrap();
     assert_claims_are_tight(&folder, &file, true);
     // A kind of solid other than the mesh's.
-    let sheet = SolidKind::Sheet.code().to_le_bytes();
+    let sheet = SolidKind::Walls.code().to_le_bytes();
     let file = (0..3).fold(file, |file, hull| changed(&file, |pack| &pack.hulls[hull].solid, &sheet));
     let rows = verify_edited(&folder, &file, 1.0, |record| &record.protrusion, 1);
     assert!(problems(&rows).contains("is recorded as sheet, but it is watertight"), "{rows:?}");

@@ -279,7 +279,7 @@ fn fit(r: &reader::Record, theirs: &hullmap::Hull, baked: &BakedHull) {
         );
         return;
     };
-    let kinds = [None, Some(SolidKind::Watertight), Some(SolidKind::Closed), Some(SolidKind::Sheet)];
+    let kinds = [None, Some(SolidKind::Watertight), Some(SolidKind::Closed), Some(SolidKind::Walls)];
     assert_eq!((kinds[r.solid as usize], Some(fit.solid)), (Some(fit.solid), theirs.solid()));
     assert_eq!((Some(r.uncovered), Some(fit.uncovered)), (theirs.uncovered(), theirs.uncovered()));
     assert_eq!((Some(r.protrusion), Some(fit.protrusion)), (theirs.protrusion(), theirs.protrusion()));

@@ -104,13 +104,13 @@ fn thin(object: &ObjectMeasures) -> Option<Doubt> {
     let thinnest = found.iter().map(|index| parts[*index]).min_by(|a, b| a.thickness.total_cmp(&b.thickness))?;
     let remedy = match (object.cover, object.solid) {
         (None, _) => "thicken them, or decompose the mesh with --decompose",
-        (Some(_), Some(SolidKind::Sheet)) => {
-            "the mesh encloses no volume, so its parts are as thick as --min-thickness and half of --max-error allow; \
+        (Some(_), Some(SolidKind::Walls)) => {
+            "the solid of the mesh is its walls, so its parts are as thick as --wall and half of --max-error allow; \
              increase both, thicken the mesh, or leave it out if it is a decal"
         }
         (Some(_), _) => {
             "the decomposition made them, the mesh is not at fault; try another --max-error (thin parts become at most \
-             half of it thick), or increase --min-thickness or --max-vertices"
+             half of it thick), or increase --wall or --max-vertices"
         }
     };
     let (few, many) = (found.len(), parts.len());
@@ -184,7 +184,7 @@ fn uncovered(object: &ObjectMeasures) -> Option<Doubt> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{advice::summarise, decompose::Length};
+    use crate::{advice::summarise, decompose::Length, fit::SolidRule};
 
     const PART: PartMeasures = PartMeasures { name: "a_part_0", thickness: 0.02, protrusion: Some(0.03) };
     const SOUND: ObjectMeasures = ObjectMeasures {
@@ -203,7 +203,8 @@ mod tests {
         max_parts: None,
         max_vertices: 64,
         overlap: 0.05,
-        min_thickness: Length::Relative(0.005),
+        solid: SolidRule::Auto,
+        wall: Length::Relative(0.005),
         symmetry: true,
         reachable: None,
         fill: false,
@@ -241,7 +242,7 @@ mod tests {
                 && !text.contains("decal"),
             "{text}"
         );
-        let sheet = words(&ObjectMeasures { solid: Some(SolidKind::Sheet), ..made });
+        let sheet = words(&ObjectMeasures { solid: Some(SolidKind::Walls), ..made });
         assert!(sheet.contains("thicken the mesh, or leave it out if it is a decal"), "{sheet}");
         let elsewhere = words(&ObjectMeasures { cover: None, ..made });
         assert!(elsewhere.contains("thicken them, or decompose"), "{elsewhere}");

@@ -216,7 +216,7 @@ impl<'a> Levels<'a> {
         let (max_vertices, diagonal) = (self.max_vertices, self.diagonal());
         let error = self.parameters.max_error.resolve(diagonal);
         let allowed = if self.parameters.max_parts.is_some() { limit } else { limit.min(error.max(self.least())) };
-        let thickness = self.parameters.min_thickness.resolve(diagonal).min(0.5 * allowed);
+        let thickness = self.parameters.wall.resolve(diagonal).min(0.5 * allowed);
         HullLimits { limit, max_vertices, diagonal, thickness, deadline: self.deadline, stage: self.stage }
     }
 

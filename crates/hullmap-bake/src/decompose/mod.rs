@@ -42,7 +42,7 @@ use search::SymmetrySearch;
 use crate::{
     deadline::{Deadline, Reserve},
     error::BakeError,
-    fit::{Solid, SolidKind},
+    fit::{Solid, SolidKind, SolidRule},
     hull::{self, Hull},
     progress::Stage,
     simplify,
@@ -52,11 +52,12 @@ use hullmap_geometry::PointSet;
 /// Time that a decomposition leaves for measuring its parts.
 const MEASURING: Reserve = Reserve { share: 0.2, seconds: 4.0 };
 
-/// The convex parts of a mesh; `None` if the mesh is convex, or has no triangles or no volume.
+/// The convex parts of a mesh; `None` if the mesh is convex and more than its walls, or has no
+/// triangles or no volume.
 ///
 /// Parts are named after the mesh, with the suffix `_part_00`, `_part_01` and so on. Without a time
-/// limit, they depend on the mesh and the parameters only. A sheet, which has no inside, is covered
-/// by parts of the minimum thickness, which is at most half of the maximum error.
+/// limit, they depend on the mesh and the parameters only. Walls, which have no inside, are covered
+/// by parts of the thickness [`wall`](Cover::wall), which is at most half of the maximum error.
 ///
 /// # Errors
 /// The errors of [`hull::build`].
@@ -80,12 +81,13 @@ fn decompose_by(
     stage: Stage,
 ) -> Result<Option<Vec<PointSet>>, BakeError> {
     let hull = hull::build(mesh)?;
-    if hull.rank < 3 || mesh.triangles.is_empty() || is_convex(mesh, &hull) {
+    let is_whole = parameters.solid != SolidRule::Walls && is_convex(mesh, &hull);
+    if hull.rank < 3 || mesh.triangles.is_empty() || is_whole {
         return Ok(None);
     }
     let vertices = SourceVertices::new(mesh);
     let max_vertices = (parameters.max_vertices as usize).max(simplify::MIN_VERTICES);
-    let solid = parameters.solid(mesh);
+    let solid = parameters.solid_of(mesh);
     let found = if parameters.max_parts == Some(1) {
         None
     } else {
@@ -108,7 +110,7 @@ fn filled(
     deadline: Option<Deadline>,
     hulls: Vec<Hull>,
 ) -> Vec<Hull> {
-    let own = parameters.reachable.map(|_| Solid::new(mesh));
+    let own = parameters.reachable.map(|_| Solid::by(mesh, parameters.solid));
     let own = own.as_ref().unwrap_or(solid);
     if own.kind() != SolidKind::Watertight {
         return hulls;
@@ -119,7 +121,7 @@ fn filled(
         limit,
         max_vertices: (parameters.max_vertices as usize).max(simplify::MIN_VERTICES),
         diagonal,
-        thickness: parameters.min_thickness.resolve(diagonal).min(0.5 * limit),
+        thickness: parameters.wall.resolve(diagonal).min(0.5 * limit),
         deadline,
         stage: Stage::default(),
     };

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::fit::{reach::with_unreachable, solid::Solid};
+use crate::fit::{Solid, SolidRule, reach::with_unreachable};
 use hullmap_geometry::{
     PointSet,
     number::{percent, short},
@@ -50,9 +50,11 @@ pub struct Cover {
     /// Overlap of the parts up to which they are merged: the sum of their volumes less the volume
     /// of their union, relative to the latter.
     pub overlap: f64,
-    /// Thickness of the parts of a sheet, and of other thin parts, above 0. It is at most half of
-    /// the maximum error.
-    pub min_thickness: Length,
+    /// What the solid of a mesh is.
+    pub solid: SolidRule,
+    /// Thickness of the parts of walls, and least thickness of any part, above 0. It is at most half
+    /// of the maximum error.
+    pub wall: Length,
     /// Whether a mesh that has a mirror plane gets symmetric parts.
     pub symmetry: bool,
     /// Radius of a ball: protrusion counts only where it can get from outside. `None`: everywhere.
@@ -73,7 +75,8 @@ impl Default for Cover {
             max_parts: None,
             max_vertices: 64,
             overlap: 0.05,
-            min_thickness: Length::Relative(0.005),
+            solid: SolidRule::Auto,
+            wall: Length::Relative(0.005),
             symmetry: true,
             reachable: None,
             fill: false,
@@ -87,9 +90,9 @@ impl Cover {
     /// ball of the radius [`reachable`](Self::reachable) cannot reach.
     ///
     /// # Complexity
-    /// The cost of [`Solid::new`]; with a radius, plus the cost of [`with_unreachable`].
-    pub fn solid(&self, mesh: &PointSet) -> Solid {
-        let solid = Solid::new(mesh);
+    /// The cost of [`Solid::by`]; with a radius, plus the cost of [`with_unreachable`].
+    pub fn solid_of(&self, mesh: &PointSet) -> Solid {
+        let solid = Solid::by(mesh, self.solid);
         match self.reachable.map(|radius| radius.resolve(solid.diagonal())) {
             Some(radius) => with_unreachable(mesh, solid, radius),
             None => solid,

@@ -187,6 +187,34 @@ fn parts_of_a_sheet_have_a_thickness() {
     assert!(fits.iter().all(|fit| fit.protrusion <= 0.02 * diagonal && fit.uncovered <= 1e-7 * diagonal), "{fits:?}");
 }
 
+/// A ball gets into a box without a lid, whose faces have one side or two, unless the box is closed.
+#[test]
+fn openings_of_walls_stay_open() {
+    let mut mesh = point_set(&extrusion(&[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]], -0.5, 0.5));
+    mesh.triangles.retain(|triangle| !triangle.iter().all(|v| mesh.positions[*v as usize][2] > 0.0));
+    assert_eq!(mesh.triangles.len(), 10);
+    let mut doubled = mesh.clone();
+    doubled.triangles.extend(mesh.triangles.iter().map(|[a, b, c]| [*a, *c, *b]));
+    let mut counts = Vec::new();
+    for mesh in [&mesh, &doubled] {
+        let diagonal = Solid::new(mesh).diagonal();
+        let parts = hulls(mesh, &Cover::default());
+        let all: Vec<&Hull> = parts.iter().collect();
+        let fits = fits(mesh, &all, None).unwrap();
+        assert!(
+            fits.iter().all(|fit| fit.protrusion <= 0.02 * diagonal && fit.uncovered <= 1e-7 * diagonal),
+            "{fits:?}"
+        );
+        // A plane of each part has the middle far in front of it.
+        let gap = |part: &Hull| part.half_spaces().iter().map(|plane| plane.height(DVec3::ZERO)).fold(0.0, f64::max);
+        assert!(parts.iter().all(|part| gap(part) > 0.4), "{} parts", parts.len());
+        counts.push(parts.len());
+    }
+    assert_eq!(counts, [5, 5]);
+    let closed = decompose(&mesh, &Cover { solid: SolidRule::Closed, ..Cover::default() }).unwrap().unwrap();
+    assert_eq!(closed.len(), 1);
+}
+
 #[test]
 fn the_number_of_parts_is_never_exceeded() {
     let mesh = point_set(&concave::l());

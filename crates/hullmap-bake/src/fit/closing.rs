@@ -18,18 +18,18 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-/// Triangles that close the mesh of `triangles`, which index `positions`. Empty if the mesh is
-/// closed. Vertices of equal position must have been merged: only equal indices are one vertex.
-pub fn cones(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[DVec3; 3]> {
-    let mut cones = Vec::new();
-    for hole in loops(boundary(triangles)) {
+/// Triangles that close the mesh of `triangles`, which index `positions`, for each hole. Empty if
+/// the mesh is closed. Vertices of equal position must have been merged: only equal indices are one
+/// vertex.
+pub fn cones(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Vec<[DVec3; 3]>> {
+    let cone = |hole: Vec<u32>| {
         let at = |v: u32| positions[v as usize];
         let apex = hole.iter().map(|v| at(*v)).sum::<DVec3>() / hole.len() as f64;
         let next = hole.iter().cycle().skip(1);
         // The cone runs against the boundary.
-        cones.extend(hole.iter().zip(next).map(|(from, to)| [at(*to), at(*from), apex]));
-    }
-    cones
+        hole.iter().zip(next).map(|(from, to)| [at(*to), at(*from), apex]).collect()
+    };
+    loops(boundary(triangles)).into_iter().map(cone).collect()
 }
 
 /// Turns triangles that face the other way than most others of their surface, and returns their
@@ -172,7 +172,7 @@ mod tests {
     fn solid(triangles: &[[u32; 3]]) -> f64 {
         let positions = SQUARE.map(DVec3::from_array);
         let mesh = triangles.iter().map(|t| t.map(|v| positions[v as usize]));
-        volume(mesh.chain(cones(&positions, triangles)))
+        volume(mesh.chain(cones(&positions, triangles).concat()))
     }
 
     #[test]

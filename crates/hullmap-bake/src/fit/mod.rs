@@ -19,6 +19,7 @@ pub mod sides;
 pub mod solid;
 pub(crate) mod triangle_tree;
 mod voids;
+mod walls;
 pub mod winding;
 
 pub use branch::Accuracy;
@@ -30,6 +31,7 @@ pub use protrusion::{Protrusion, protrusion};
 pub use remainder::remainder;
 pub use solid::{Solid, SolidKind, reversed};
 pub use voids::{Voids, VoidsShare, voids};
+pub use walls::SolidRule;
 
 #[cfg(test)]
 mod tests;

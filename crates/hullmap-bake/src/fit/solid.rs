@@ -1,5 +1,5 @@
 //! The solid that a mesh bounds, for any set of triangles: where its winding number is not zero,
-//! and its surface.
+//! and its surface; or its surface alone, if the mesh is its walls ([`SolidRule`]).
 //!
 //! # Steps
 //! 1. Merge vertices of equal position, and drop triangles that repeat others. If the mesh is not
@@ -29,6 +29,7 @@ use rayon::prelude::*;
 use super::{
     closing, sides,
     triangle_tree::{Bounds, TriangleTree},
+    walls::SolidRule,
     winding::{ClosedSurface, Doubt, RAYS, ray_direction},
 };
 use hullmap_geometry::PointSet;
@@ -78,11 +79,19 @@ pub struct Near {
 }
 
 impl Solid {
-    /// The solid of a mesh. The positions must be finite.
+    /// The solid of a mesh, by the rule [`Auto`](SolidRule::Auto). The positions must be finite.
     ///
     /// # Complexity
     /// O(n log n) for n triangles.
     pub fn new(mesh: &PointSet) -> Self {
+        Self::by(mesh, SolidRule::Auto)
+    }
+
+    /// The solid of a mesh by a rule. The positions must be finite.
+    ///
+    /// # Complexity
+    /// O(n log n) for n triangles.
+    pub fn by(mesh: &PointSet, rule: SolidRule) -> Self {
         let source: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
         let used = || mesh.triangles.iter().flatten().map(|v| source[*v as usize]);
         let bounds = [used().fold(DVec3::INFINITY, DVec3::min), used().fold(DVec3::NEG_INFINITY, DVec3::max)];
@@ -92,13 +101,14 @@ impl Solid {
         let mut cones = close(&positions, &mut indices, &distinct);
         let mut moved = 0.0;
         if !cones.is_empty() {
-            let open = &cones.iter().flat_map(|[to, from, _]| [*to, *from]).collect::<Vec<_>>();
+            let open = &cones.iter().flatten().flat_map(|[to, from, _]| [*to, *from]).collect::<Vec<_>>();
             let merged = merge_open(&positions, open, MERGE_DISTANCE * diagonal);
             if let Some(merged) = merged {
                 let mut merged_indices: Vec<[u32; 3]> = indices.iter().map(|t| t.map(|v| merged[v as usize])).collect();
                 let merged_distinct = self::distinct(&merged_indices);
                 let merged_cones = close(&positions, &mut merged_indices, &merged_distinct);
-                if merged_cones.len() < cones.len() {
+                let count = |cones: &[Vec<Triangle>]| cones.iter().map(Vec::len).sum::<usize>();
+                if count(&merged_cones) < count(&cones) {
                     moved = MERGE_DISTANCE * diagonal;
                     (indices, distinct, cones) = (merged_indices, merged_distinct, merged_cones);
                 }
@@ -107,12 +117,16 @@ impl Solid {
         let mut triangles: Vec<Triangle> = indices.iter().map(|t| t.map(|v| positions[v as usize])).collect();
         positions.clear();
         let mesh_count = triangles.len();
-        let mut counts = distinct;
-        counts.resize(mesh_count + cones.len(), true);
+        let is_walls = rule.is_walls(&triangles, &distinct, &cones);
+        if is_walls {
+            cones.clear();
+        }
         let is_closed = cones.is_empty();
-        triangles.append(&mut cones);
-        let kind = if is_sheet(&triangles, &counts, diagonal) {
-            SolidKind::Sheet
+        triangles.extend(cones.into_iter().flatten());
+        let mut counts = distinct;
+        counts.resize(triangles.len(), true);
+        let kind = if is_walls || is_flat(&triangles, &counts, diagonal) {
+            SolidKind::Walls
         } else if is_closed {
             SolidKind::Watertight
         } else {
@@ -124,7 +138,7 @@ impl Solid {
         let surface = ClosedSurface { triangles, counts, tree, diagonal, bounds, moved, rounding, needles };
         let mut solid = Self { surface, mesh_count, is_whole: Vec::new(), kind };
         // Volumes of opposite orientation may have cancelled.
-        if kind == SolidKind::Sheet && solid.has_inside() {
+        if kind == SolidKind::Walls && !is_walls && solid.has_inside() {
             solid.kind = if is_closed { SolidKind::Watertight } else { SolidKind::Closed };
         }
         let closing = mesh_count as u32..solid.surface.triangles.len() as u32;
@@ -256,7 +270,7 @@ impl Solid {
     /// Whether a point is in the solid. A point within [`tolerance`](Self::tolerance) of its
     /// surface may be either.
     pub fn is_inside(&self, p: DVec3) -> bool {
-        if self.kind == SolidKind::Sheet || self.surface.is_outside_bounds(p) {
+        if self.kind == SolidKind::Walls || self.surface.is_outside_bounds(p) {
             return false;
         }
         for ray in 0..RAYS {
@@ -361,8 +375,9 @@ fn distinct(triangles: &[[u32; 3]]) -> Vec<bool> {
     distinct
 }
 
-/// Triangles that close the mesh of distinct triangles, after reversed ones are turned round.
-fn close(positions: &[DVec3], indices: &mut [[u32; 3]], distinct: &[bool]) -> Vec<Triangle> {
+/// Triangles that close each hole of the mesh of distinct triangles, after reversed ones are turned
+/// round.
+fn close(positions: &[DVec3], indices: &mut [[u32; 3]], distinct: &[bool]) -> Vec<Vec<Triangle>> {
     let mut chosen = chosen(indices, distinct);
     if !closing::turn(&mut chosen).is_empty() {
         let places = indices.iter_mut().zip(distinct).filter(|(_, distinct)| **distinct);
@@ -424,7 +439,7 @@ pub(super) fn merge_open(positions: &[DVec3], open: &[DVec3], distance: f64) -> 
     is_changed.then_some(merged)
 }
 
-fn is_sheet(triangles: &[Triangle], counts: &[bool], diagonal: f64) -> bool {
+fn is_flat(triangles: &[Triangle], counts: &[bool], diagonal: f64) -> bool {
     let Some(&[origin, ..]) = triangles.first() else { return true };
     let (mut volume, mut area) = (0.0, 0.0);
     for ([a, b, c], _) in triangles.iter().zip(counts).filter(|(_, counts)| **counts) {
@@ -432,6 +447,6 @@ fn is_sheet(triangles: &[Triangle], counts: &[bool], diagonal: f64) -> bool {
         volume += (*a - origin).dot(normal) / 6.0;
         area += normal.length() / 2.0;
     }
-    // NaN counts as a sheet.
+    // NaN counts as flat.
     !(volume.abs() > SHEET * area * diagonal)
 }

@@ -202,11 +202,52 @@ fn a_triangle_in_two_parts_is_covered_exactly() {
     assert!(both < 1e-11, "{both}");
 }
 
+/// Mouths, of one layer and of two, are open. Small holes of a surface with one side are closed, and
+/// so is whatever has no holes.
+#[test]
+fn openings_are_kept_and_holes_are_closed() {
+    use SolidKind::{Closed, Walls, Watertight};
+    let without = |mesh: &PointSet, range: std::ops::Range<usize>| {
+        let mut mesh = mesh.clone();
+        mesh.triangles.drain(range);
+        mesh
+    };
+    let doubled = |mesh: &PointSet| {
+        let mut mesh = mesh.clone();
+        mesh.triangles.extend(mesh.triangles.clone().into_iter().map(|[a, b, c]| [a, c, b]));
+        mesh
+    };
+    let cube = block([0.0; 3], [1.0; 3], false);
+    // A quad of its 600 is missing.
+    let rings = (1..20).map(|i| f64::from(i) * std::f64::consts::PI / 20.0).map(|a| [a.sin(), -a.cos()]);
+    let profile: Vec<[f64; 2]> = [[0.0, -1.0]].into_iter().chain(rings).chain([[0.0, 1.0]]).collect();
+    let ball = shapes::solids::lathe(&profile, 30);
+    let ball = mesh(&ball.vertices, &ball.fans());
+    let scan = without(&ball, 300..302);
+    for (name, mesh, rule, expected) in [
+        ("cube", &cube, SolidRule::Auto, Watertight),
+        ("cube", &cube, SolidRule::Walls, Walls),
+        ("box", &without(&cube, 2..4), SolidRule::Auto, Walls),
+        ("box", &without(&cube, 2..4), SolidRule::Closed, Closed),
+        ("box of two layers", &doubled(&without(&cube, 2..4)), SolidRule::Auto, Walls),
+        ("cube of two layers", &doubled(&cube), SolidRule::Auto, Watertight),
+        ("scan", &scan, SolidRule::Auto, Closed),
+        ("scan", &scan, SolidRule::Walls, Walls),
+        ("bottle of two layers", &doubled(&scan), SolidRule::Auto, Walls),
+    ] {
+        let solid = Solid::by(mesh, rule);
+        assert_eq!(solid.kind(), expected, "{name}, {rule}");
+        let [low, high] = solid.bounds();
+        assert_eq!(solid.is_inside(low.midpoint(high)), expected != Walls, "{name}, {rule}");
+        assert_eq!(solid.triangles().len() > solid.mesh_count(), expected == Closed, "{name}, {rule}");
+    }
+}
+
 #[test]
 fn an_open_box_is_closed() {
     let mut open = block([0.0; 3], [1.0; 3], false);
     open.triangles.drain(2..4);
-    let solid = Solid::new(&open);
+    let solid = Solid::by(&open, SolidRule::Closed);
     assert_eq!(solid.kind(), SolidKind::Closed);
     let found = tight(&solid, &hull_of(&open.positions));
     assert!(found.bound < 1e-5, "{found:?}");
@@ -219,7 +260,7 @@ fn an_open_box_is_closed() {
 fn a_sheet_has_no_inside() {
     let sheet = mesh(&[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2], [0, 2, 3]]);
     let solid = Solid::new(&sheet);
-    assert_eq!(solid.kind(), SolidKind::Sheet);
+    assert_eq!(solid.kind(), SolidKind::Walls);
     let found = tight(&solid, &hull_of(&block([0.0; 3], [1.0, 1.0, 0.25], false).positions));
     assert!(found.bound >= 0.25 && found.bound < 0.2513, "{found:?}");
     let flat = tight(&solid, &hull_of(&sheet.positions));
@@ -268,7 +309,7 @@ fn rays_agree_with_solid_angles() {
     let mut rng = SplitMix64::new(7);
     let (mut inside, mut all) = (0, 0);
     for _ in 0..60 {
-        let solid = Solid::new(&random_soup(&mut rng, 12));
+        let solid = Solid::by(&random_soup(&mut rng, 12), SolidRule::Closed);
         for _ in 0..50 {
             let p = DVec3::from_array(std::array::from_fn(|_| rng.unit()));
             let is_inside = solid.surface().solid_angles(p) != 0;
@@ -304,7 +345,7 @@ fn sides_agree_with_solid_angles() {
                 mesh(&points, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
             })),
         });
-        if solid.kind() == SolidKind::Sheet {
+        if solid.kind() == SolidKind::Walls {
             continue;
         }
         let triangle = solid.triangles()[(rng.unit() * solid.triangles().len() as f64) as usize];
@@ -355,7 +396,7 @@ fn in_triangle(&[a, b, c]: &[DVec3; 3], rng: &mut SplitMix64) -> DVec3 {
 }
 
 fn slow_distance(solid: &Solid, mesh: &PointSet, p: DVec3) -> f64 {
-    if solid.kind() != SolidKind::Sheet && solid.surface().solid_angles(p) != 0 {
+    if solid.kind() != SolidKind::Walls && solid.surface().solid_angles(p) != 0 {
         return 0.0;
     }
     let at = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
@@ -369,7 +410,7 @@ fn protrusion_is_never_below_a_sample() {
     let mut close = 0;
     for round in 0..40 {
         let soup = if round % 2 == 0 { random_soup(&mut rng, 9) } else { letter_l() };
-        let solid = Solid::new(&soup);
+        let solid = Solid::by(&soup, SolidRule::Closed);
         let scale = 0.6 + rng.unit() as f32;
         let points: Vec<[f32; 3]> = (0..7).map(|_| std::array::from_fn(|_| scale * rng.unit() as f32)).collect();
         let part = hull_of(&points);
@@ -393,7 +434,7 @@ fn closing_triangles_that_are_whole_have_the_inside_beside_them() {
     let (mut whole, mut partly, mut unknown) = (0, 0, 0);
     for round in 0..400 {
         let soup = random_soup(&mut rng, 7);
-        let solid = Solid::new(&soup);
+        let solid = Solid::by(&soup, SolidRule::Closed);
         for triangle in &solid.triangles()[soup.triangles.len()..] {
             let Some(normal) = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).try_normalize() else {
                 continue;
@@ -498,7 +539,7 @@ fn nothing_is_covered_and_nothing_protrudes() {
     let nothing = PointSet::default();
     assert_eq!(uncovered(&nothing, &[]).bound, 0.0);
     let solid = Solid::new(&nothing);
-    assert_eq!(solid.kind(), SolidKind::Sheet);
+    assert_eq!(solid.kind(), SolidKind::Walls);
     let found = tight(&solid, &hull_of(&[[0.0; 3], [1.0; 3]]));
     assert_eq!(found.bound, f64::INFINITY);
 }

@@ -89,7 +89,7 @@ impl PartsEstimates {
             ..Self::default()
         };
         // Unreachable space does not belong to the mesh's own solid.
-        let own = cover.and_then(|cover| cover.reachable).map(|_| Solid::new(mesh));
+        let own = cover.filter(|cover| cover.reachable.is_some()).map(|cover| Solid::by(mesh, cover.solid));
         let own = own.as_ref().unwrap_or(solid);
         if cover.is_some_and(|cover| cover.fill) && own.kind() == SolidKind::Watertight {
             found.filled = Some(remainder(own, parts).is_empty());

@@ -110,7 +110,7 @@ pub fn stand_for_one(a: &PointSet, b: &PointSet) -> bool {
 
 /// The solid from which protrusion counts. `cover` are the parameters of the parts, if known.
 pub fn solid_of(mesh: &PointSet, cover: Option<&Cover>) -> Solid {
-    cover.map_or_else(|| Solid::new(mesh), |cover| cover.solid(mesh))
+    cover.map_or_else(|| Solid::new(mesh), |cover| cover.solid_of(mesh))
 }
 
 fn about_parts(name: &str, own: &[BakedHull], reachable: Option<Length>) -> Remark {

@@ -15,8 +15,8 @@ pub enum Solid {
     Watertight = 1,
     /// The mesh has holes, which were closed.
     Closed = 2,
-    /// The mesh has no inside.
-    Sheet = 3,
+    /// The solid is the triangles of the mesh alone: it is open, or encloses nothing.
+    Walls = 3,
 }
 
 impl From<Option<hullmap::SolidKind>> for Solid {
@@ -25,7 +25,7 @@ impl From<Option<hullmap::SolidKind>> for Solid {
             None => Self::Unmeasured,
             Some(hullmap::SolidKind::Watertight) => Self::Watertight,
             Some(hullmap::SolidKind::Closed) => Self::Closed,
-            Some(hullmap::SolidKind::Sheet) => Self::Sheet,
+            Some(hullmap::SolidKind::Walls) => Self::Walls,
         }
     }
 }

@@ -42,7 +42,7 @@ impl clap::Args for OptionFlags {
 }
 
 /// Options have help of their own where the help of `bake build` is also about whole hulls.
-const OF_PARTS: [(&str, Option<&str>); 12] = [
+const OF_PARTS: [(&str, Option<&str>); 13] = [
     (
         "max_error",
         Some(
@@ -58,7 +58,8 @@ const OF_PARTS: [(&str, Option<&str>); 12] = [
     ),
     ("max_parts", None),
     ("overlap", None),
-    ("min_thickness", None),
+    ("solid", None),
+    ("wall", None),
     ("symmetry", None),
     ("reachable", None),
     ("fill", None),

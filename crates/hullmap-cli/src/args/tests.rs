@@ -136,6 +136,7 @@ fn removed_options_name_what_to_use_instead() {
         ("--decompose=cover", "decompose takes no method"),
         ("--index-budget 40", "choose a kind with index"),
         ("--index cubemap --resolution=5", "choose a kind with index"),
+        ("--min-thickness 1%", "min_thickness was renamed; use wall"),
     ] {
         let message = error(&format!("bake build a.obj --out o {words}"));
         assert!(message.contains(instead), "{message}");

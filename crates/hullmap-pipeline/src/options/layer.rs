@@ -8,9 +8,16 @@ use super::table::{Group, OPTION_COUNT, OPTIONS, Scope, position};
 use super::value::Value;
 
 /// The options that one source gives, in the order of the table; `None` for those it leaves out.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct OptionLayer {
     pub(super) values: [Option<Value>; OPTION_COUNT],
+}
+
+impl Default for OptionLayer {
+    /// No option is set.
+    fn default() -> Self {
+        Self { values: [const { None }; OPTION_COUNT] }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -165,7 +172,8 @@ pub mod tests {
         ("pack_names", "full"),
         ("max_parts", "9"),
         ("overlap", "0.1"),
-        ("min_thickness", "1%"),
+        ("solid", "walls"),
+        ("wall", "1%"),
         ("decompose_seconds", "2.5"),
         ("record_source", "name"),
         ("lean", "true"),

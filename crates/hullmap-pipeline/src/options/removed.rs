@@ -9,6 +9,8 @@ pub const COVER: &str = "decompose takes no method; use it alone, or with true";
 pub const INDEX: &str = "the options index-budget and resolution were removed; choose a kind with index: compact and \
                          medium are smaller than tree, and a cubemap has 64 cells along each edge";
 
+pub const WALL: &str = "min_thickness was renamed; use wall";
+
 /// Remedy for an option that this version does not have; `None` if earlier ones did not have it
 /// either. `key` is written as in `hullmap.toml` or as a flag without dashes in front.
 pub fn instead_of_option(key: &str) -> Option<&'static str> {
@@ -25,6 +27,7 @@ pub fn instead_of_option(key: &str) -> Option<&'static str> {
     ];
     match key.replace('-', "_").as_str() {
         "index_budget" | "resolution" => Some(INDEX),
+        "min_thickness" => Some(WALL),
         key => KEYS.contains(&key).then_some(VHACD),
     }
 }
@@ -42,6 +45,7 @@ pub fn instead_of_record(record: &str) -> Option<&'static str> {
     let instead = |option: &str| match option {
         "decompose true" => Some(VHACD),
         "index cubemap 64" => None,
+        _ if option.starts_with("min_thickness ") => Some(WALL),
         _ if ["index budget ", "index cubemap "].iter().any(|own| option.starts_with(own)) => Some(INDEX),
         _ => None,
     };

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap_bake::IndexKind;
 use hullmap_bake::decompose::{Cover, Length};
+use hullmap_bake::fit::SolidRule;
 use hullmap_bake::simplify::Limit;
 use hullmap_format::header::FileKind;
 use hullmap_format::{height_field, triangle_mesh, version};
@@ -103,7 +104,12 @@ impl BuildOptions {
             max_vertices: self
                 .within_budget(self.optional_count("max_vertices").unwrap_or(Cover::default().max_vertices)),
             overlap: self.optional_number("overlap").unwrap_or(f64::INFINITY),
-            min_thickness: self.length("min_thickness").unwrap_or(Length::Relative(THINNEST)),
+            solid: match self.word("solid") {
+                "closed" => SolidRule::Closed,
+                "walls" => SolidRule::Walls,
+                _ => SolidRule::Auto,
+            },
+            wall: self.length("wall").unwrap_or(Length::Relative(THINNEST)),
             symmetry: self.word("symmetry") == "auto",
             reachable: self.length("reachable"),
             fill: self.switch("fill"),
@@ -327,8 +333,10 @@ pub mod tests {
             assert_eq!(cover("overlap", share), Some(Cover { overlap: 0.1, ..usual }));
         }
         assert_eq!(cover("overlap", "none"), Some(Cover { overlap: f64::INFINITY, ..usual }));
-        assert_eq!(cover("min_thickness", "1%"), Some(Cover { min_thickness: Length::Relative(0.01), ..usual }));
-        assert_eq!(cover("min_thickness", "0.5"), Some(Cover { min_thickness: Length::Absolute(0.5), ..usual }));
+        assert_eq!(cover("solid", "walls"), Some(Cover { solid: SolidRule::Walls, ..usual }));
+        assert_eq!(cover("solid", "closed"), Some(Cover { solid: SolidRule::Closed, ..usual }));
+        assert_eq!(cover("wall", "1%"), Some(Cover { wall: Length::Relative(0.01), ..usual }));
+        assert_eq!(cover("wall", "0.5"), Some(Cover { wall: Length::Absolute(0.5), ..usual }));
         assert_eq!(cover("reachable", "5%"), Some(Cover { reachable: Some(Length::Relative(0.05)), ..usual }));
         assert_eq!(cover("symmetry", "none"), Some(Cover { symmetry: false, ..usual }));
         assert_eq!(cover("symmetry", "auto"), Some(usual));

@@ -240,11 +240,22 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         ..OPTION
     },
     BuildOption {
-        key: "min_thickness",
+        key: "solid",
+        syntax: Words(&["auto", "closed", "walls"]),
+        default: "auto",
+        value_name: "auto|closed|walls",
+        help: "closed: close the holes of an open mesh, and count its inside; walls: count its walls only, so that openings stay open; auto: walls if half of its area has faces on both sides, or if a hole has more than an eighth of its area",
+        section: Section::Parts,
+        is_advanced: true,
+        scope: Scope::Parts,
+        ..OPTION
+    },
+    BuildOption {
+        key: "wall",
         syntax: LengthOrNone,
         default: "0.5%",
         value_name: "T|T%",
-        help: "Thickness of parts of a sheet: a length, or a share of the mesh's diagonal; at most half of the maximum error",
+        help: "Thickness of the parts of walls: a length, or a share of the mesh's diagonal; at most half of the maximum error",
         section: Section::Parts,
         is_advanced: true,
         scope: Scope::Parts,
@@ -424,7 +435,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     },
 ];
 
-pub const OPTION_COUNT: usize = 32;
+pub const OPTION_COUNT: usize = 33;
 
 const OPTION: BuildOption = BuildOption {
     key: "",

@@ -34,8 +34,12 @@ class BakeOptions(TypedDict, total=False):
     overlap: Optional[Union[float, str]]
     """Maximum overlap of merged parts: the sum of their volumes minus the volume of their union, as a share
     of the latter, such as 0.05 or ``"5%"``, the default."""
-    min_thickness: Optional[Union[float, str]]
-    """Thickness of parts of a sheet; ``"0.5%"`` of the diagonal by default. It is at most half of
+    solid: Optional[Literal["auto", "closed", "walls"]]
+    """"closed" closes the holes of an open mesh and counts its inside; "walls" counts its walls only, so that
+    openings stay open. "auto", the default, is "walls" if half of the area has faces on both sides, or if a
+    hole has more than an eighth of it."""
+    wall: Optional[Union[float, str]]
+    """Thickness of the parts of walls; ``"0.5%"`` of the diagonal by default. It is at most half of
     ``max_error``."""
     symmetry: Optional[Literal["auto", "none"]]
     """Make the parts of a symmetric mesh symmetric, unless that takes more parts; "auto" by default."""

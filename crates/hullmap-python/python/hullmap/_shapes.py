@@ -660,7 +660,7 @@ class Hull(ConvexShape):
     @property
     def solid(self) -> Optional[str]:
         """Kind of solid that a part was measured against: ``watertight``, ``closed`` (holes were
-        closed) or ``sheet`` (no inside); ``None`` if the part was not measured."""
+        closed) or ``walls`` (its triangles alone); ``None`` if the part was not measured."""
         found: Optional[str] = self._facts["solid"]
         return found
 

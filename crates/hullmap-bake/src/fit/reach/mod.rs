@@ -26,7 +26,8 @@ mod shell;
 
 use glam::DVec3;
 
-use super::solid::Solid;
+use super::solid::{Solid, SolidKind};
+use super::walls::SolidRule;
 use grid::Grid;
 use hullmap_geometry::PointSet;
 
@@ -41,13 +42,17 @@ const FEWEST_CELLS: usize = 40;
 const MAX_TRIANGLES: usize = 60_000;
 
 /// The solid of `mesh`, which is `solid`, with the space that no ball of a radius can reach from
-/// outside, as far as that is certain. All lengths are in the unit of the positions.
+/// outside, as far as that is certain. All lengths are in the unit of the positions. Walls have no
+/// inside, and stay as they are.
 ///
 /// # Complexity
 /// The cost of [`Solid::new`], plus the cost of the steps of this module.
 pub fn with_unreachable(mesh: &PointSet, solid: Solid, radius: f64) -> Solid {
+    if solid.kind() == SolidKind::Walls {
+        return solid;
+    }
     match filled(mesh, &solid, radius) {
-        Some(filled) => Solid::new(&filled),
+        Some(filled) => Solid::by(&filled, SolidRule::Closed),
         None => solid,
     }
 }

@@ -113,7 +113,7 @@ fn inner_walls_cost_no_parts() {
         ([0.25, 4.9, 0.25], [9.75, 5.1, 9.75], 1.0),
     ]);
     let cover = Cover { reachable: Some(Length::Absolute(1.0)), ..Cover::default() };
-    let filled = cover.solid(&mesh);
+    let filled = cover.solid_of(&mesh);
     let parts = decompose(&mesh, &cover).unwrap().unwrap();
     assert_eq!(parts.len(), 1);
     let hulls: Vec<Hull> = parts.iter().map(|part| hull::build(part).unwrap()).collect();

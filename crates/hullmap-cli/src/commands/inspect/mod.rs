@@ -54,7 +54,7 @@ struct HullDescription {
     uncovered: Option<f64>,
     protrusion: Option<f64>,
     protrusion_at: Option<[f64; 3]>,
-    /// Kind of the mesh's solid: `watertight`, `closed` or `sheet`.
+    /// Kind of the mesh's solid: `watertight`, `closed` or `walls`.
     solid: Option<&'static str>,
     part: u32,
     part_count: u32,

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 # The stage decides these.
 _DECIDED = ("split", "unit_scale", "up_axis", "recentre", "vertices", "lean")
 # Options that are lengths.
-_LENGTHS = ("max_error", "min_thickness")
+_LENGTHS = ("max_error", "wall")
 # Axes of a frame are at right angles if their dot product, relative to their lengths, is at most this.
 _SHEAR = 1e-6
 # Vertices of a convex hull in PhysX.
