@@ -211,22 +211,23 @@ impl PartsFit {
     }
 }
 
-/// Note on estimates of how the parts of an object fit together: how much they overlap, how far
-/// they protrude on average, and which share of the solid is in none of them, if that is known.
-pub fn estimates(name: &str, found: &Looseness, voids: Option<f64>) -> Remark {
-    let (overlap, error) = (percent(found.overlap), percent(found.overlap_error));
-    let mean = short(found.mean_protrusion);
-    let left = match voids {
-        Some(0.0) => ", and fill the solid".to_owned(),
-        Some(share) => format!(", and leave {} of the solid empty", percent(share)),
-        None => String::new(),
+/// How the parts of an object fit together, in words: how far they protrude on average, how much
+/// they overlap, which share of the solid is in none of them, and the equation of their plane of
+/// symmetry, if these are known. All but the last are estimates.
+pub fn estimates(found: &Looseness, voids: Option<f64>, symmetry: Option<&str>) -> String {
+    let Looseness { overlap, overlap_error, mean_protrusion, .. } = *found;
+    let overlap = if overlap <= overlap_error {
+        format!("less than {}", percent(overlap + overlap_error))
+    } else {
+        percent(overlap)
     };
-    let and = if voids.is_some() { "," } else { " and" };
-    let text = format!(
-        "{name}: as estimated, the parts overlap by {overlap} ± {error} of their union{and} protrude by {mean} on \
-         average{left}"
-    );
-    Remark { weight: found.overlap, ..Remark::note("estimates", name, text) }
+    let mut words = vec![format!("protrude by {} on average", short(mean_protrusion)), format!("overlap by {overlap}")];
+    words.extend(voids.map(|share| {
+        if share == 0.0 { "fill the solid".to_owned() } else { format!("leave {} of the solid empty", percent(share)) }
+    }));
+    words.extend(symmetry.map(|plane| format!("are symmetric about {plane}")));
+    let last = words.pop().unwrap_or_default();
+    format!("the parts {}{} {last}", words.join(", "), if words.len() > 1 { ", and" } else { " and" })
 }
 
 /// Bulge, relative to the diagonal, above which there is a note: a body of 1 m that rests on that
@@ -284,19 +285,21 @@ pub fn filled(name: &str, filled: Option<bool>) -> Remark {
     }
 }
 
-/// Note on parts that are symmetric about a plane, which is given by its equation.
-pub fn symmetric(name: &str, plane: &str) -> Remark {
-    Remark::note("symmetric", name, format!("{name}: the parts are symmetric about {plane}"))
-}
-
 /// Uncovered distance, relative to the size, that counts as covered: the containment error that a
 /// hull may have, 1e-7, with room for rounding.
 const COVERED: f64 = 1.5e-7;
 
 /// How the `count` parts of an object fit it, if that was measured; `size` is the diameter of the
 /// largest part. If there is a radius `reachable`, protrusion counts only where a ball of that
-/// radius can get from outside.
-pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64, reachable: Option<Length>) -> Remark {
+/// radius can get from outside. `estimates` are words of [`estimates`].
+pub fn parts(
+    name: &str,
+    count: usize,
+    fit: Option<PartsFit>,
+    size: f64,
+    reachable: Option<Length>,
+    estimates: Option<&str>,
+) -> Remark {
     let noun = if count == 1 { "part" } else { "parts" };
     let Some(PartsFit { solid, uncovered, protrusion }) = fit else {
         let text = format!("{name}: {count} {noun}; not measured, because a bound is not finite");
@@ -315,8 +318,9 @@ pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64, reachab
     let protrusion = short(protrusion);
     let place =
         reachable.map_or_else(String::new, |radius| format!(" where a ball of radius {radius} can get from outside"));
+    let more = estimates.map_or_else(String::new, |words| format!("; {words}"));
     let text = format!(
-        "{name}: {count} {noun}; {covered}, and no part protrudes more than {protrusion} from {from}{place}{how}"
+        "{name}: {count} {noun}; {covered}, and no part protrudes more than {protrusion} from {from}{place}{how}{more}"
     );
     Remark::by_size("parts", name, text, uncovered, size, "to cover more, decompose the mesh with --decompose")
 }
@@ -531,12 +535,12 @@ mod tests {
         );
         assert!(simple(f64::NAN).unwrap().is_warning);
         let fit = |uncovered| Some(PartsFit { solid: SolidKind::Watertight, uncovered, protrusion: 0.25 });
-        assert!(!parts("a", 3, fit(1e-3), 1.0, None).is_warning);
+        assert!(!parts("a", 3, fit(1e-3), 1.0, None, None).is_warning);
         let covered = "a: 3 parts; the whole surface is covered, and no part protrudes more than 0.25 from the solid";
-        assert_eq!(texts(parts("a", 3, fit(0.0), 1.0, None)).0, covered);
-        assert!(texts(parts("a", 3, None, 1.0, None)).0.contains("not measured"));
-        assert!(parts("a", 3, fit(f64::NAN), 1.0, None).is_warning);
-        let (_, warning) = texts(parts("a", 3, fit(0.02), 1.0, None));
+        assert_eq!(texts(parts("a", 3, fit(0.0), 1.0, None, None)).0, covered);
+        assert!(texts(parts("a", 3, None, 1.0, None, None)).0.contains("not measured"));
+        assert!(parts("a", 3, fit(f64::NAN), 1.0, None, None).is_warning);
+        let (_, warning) = texts(parts("a", 3, fit(0.02), 1.0, None, None));
         assert!(warning.contains("a: 3 parts;") && warning.contains("--decompose"), "{warning}");
     }
 
@@ -561,12 +565,27 @@ mod tests {
     }
 
     #[test]
+    fn estimates_are_words_for_people() {
+        let loose = Looseness { overlap: 2e-16, overlap_error: 4e-4, mean_protrusion: 0.0049, outside_hull: 0.0 };
+        let words = estimates(&loose, Some(0.0), Some("x = 0"));
+        assert_eq!(
+            words,
+            "the parts protrude by 0.0049 on average, overlap by less than 0.04%, fill the solid, and are symmetric about x = 0"
+        );
+        let apart = Looseness { overlap: 0.03, ..loose };
+        assert_eq!(estimates(&apart, None, None), "the parts protrude by 0.0049 on average and overlap by 3%");
+        assert!(estimates(&apart, Some(0.01), None).ends_with("overlap by 3%, and leave 1% of the solid empty"));
+        let note = parts("a", 2, None, 1.0, None, Some(&words));
+        assert!(!note.is_warning);
+    }
+
+    #[test]
     fn one_sentence_per_topic() {
         let names: Vec<String> = (0..12).map(|index| format!("p{index}")).collect();
         let flat = names.iter().map(|name| Remark::warning("flat", name, format!("hull {name} is flat")));
         let fit = |uncovered| Some(PartsFit { solid: SolidKind::Walls, uncovered, protrusion: 0.25 });
-        let cover =
-            [("a", 0.0), ("b", 1e-3), ("c", 1e-4), ("d", 0.5)].map(|(name, gap)| parts(name, 2, fit(gap), 1.0, None));
+        let cover = [("a", 0.0), ("b", 1e-3), ("c", 1e-4), ("d", 0.5)]
+            .map(|(name, gap)| parts(name, 2, fit(gap), 1.0, None, None));
         let (notes, warnings) = summarise(flat.chain(cover));
         assert_eq!(
             notes,

@@ -278,6 +278,7 @@ impl<'a> Levels<'a> {
             useful,
             wanted: self.parameters.max_parts.map_or(1, |count| count as usize),
             peels,
+            bridges: self.parameters.max_parts.is_some(),
         };
         let partition::Merged { parts, mirrored, fewest, divided } =
             partition::search(self.surface, &mut self.field, &limits)?;

@@ -187,6 +187,32 @@ fn parts_of_a_sheet_have_a_thickness() {
     assert!(fits.iter().all(|fit| fit.protrusion <= 0.02 * diagonal && fit.uncovered <= 1e-7 * diagonal), "{fits:?}");
 }
 
+/// Two cubes 3 cm apart, mirrored and not: no part holds both, unless fewer are asked for.
+#[test]
+fn parts_do_not_bridge_shells() {
+    let cube =
+        |x: f64, size: f64| point_set(&extrusion(&[[x, 0.0], [x + size, 0.0], [x + size, size], [x, size]], 0.0, size));
+    for size in [1.0, 0.9] {
+        let (mut mesh, other) = (cube(0.0, 1.0), cube(1.03, size));
+        mesh.triangles.extend(other.triangles.iter().map(|triangle| triangle.map(|v| v + 8)));
+        mesh.positions.extend(other.positions);
+        mesh.source_vertices = (0..16).collect();
+        let parts = hulls(&mesh, &Cover::default());
+        let bounds: Vec<[f32; 2]> = parts
+            .iter()
+            .map(|part| {
+                part.vertices
+                    .iter()
+                    .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], v| [low.min(v[0]), high.max(v[0])])
+            })
+            .collect();
+        assert_eq!(parts.len(), 2, "{bounds:?}");
+        assert!(bounds.iter().all(|[low, high]| *high < 1.01 || *low > 1.02), "{bounds:?}");
+        let one = decompose(&mesh, &Cover { max_parts: Some(1), ..Cover::default() }).unwrap().unwrap();
+        assert_eq!(one.len(), 1);
+    }
+}
+
 /// A ball gets into a box without a lid, whose faces have one side or two, unless the box is closed.
 #[test]
 fn openings_of_walls_stay_open() {

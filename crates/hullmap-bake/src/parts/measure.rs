@@ -69,12 +69,12 @@ pub fn parts(
             if has_primitives {
                 measured.remarks.extend(record_primitives(points, own, cover, deadline));
             }
-            judge(name, points.diagonal(), own, Some(cover), estimates, &mut measured);
+            let words = judge(name, points.diagonal(), own, Some(cover), estimates, &mut measured);
+            if is_divided {
+                measured.remarks.push(about_parts(name, own, cover.reachable, words.as_deref()));
+            }
         }
         steps.take();
-        if is_divided {
-            measured.remarks.push(about_parts(name, own, cover.reachable));
-        }
     }
     measured
 }
@@ -95,9 +95,9 @@ pub fn collision_parts(point_sets: &[PointSet], hulls: &mut [BakedHull]) -> Meas
         let Some(mesh) = own.first().and_then(|points| points.stands_for.as_deref()) else { continue };
         let (estimates, _) = record(mesh, hulls, None, None, hulls.len() > 1, None);
         (0..).zip(hulls.iter_mut()).for_each(|(part, baked)| baked.part = part);
-        judge(&mesh.name, mesh.diagonal(), hulls, None, estimates, &mut measured);
+        let words = judge(&mesh.name, mesh.diagonal(), hulls, None, estimates, &mut measured);
         if hulls.len() > 1 {
-            measured.remarks.push(about_parts(&hulls[0].name, hulls, None));
+            measured.remarks.push(about_parts(&hulls[0].name, hulls, None, words.as_deref()));
         }
     }
     measured
@@ -113,10 +113,10 @@ pub fn solid_of(mesh: &PointSet, cover: Option<&Cover>) -> Solid {
     cover.map_or_else(|| Solid::new(mesh), |cover| cover.solid_of(mesh))
 }
 
-fn about_parts(name: &str, own: &[BakedHull], reachable: Option<Length>) -> Remark {
+fn about_parts(name: &str, own: &[BakedHull], reachable: Option<Length>, estimates: Option<&str>) -> Remark {
     let size = own.iter().map(|baked| baked.hull.diameter).fold(0.0, f64::max);
     let fits: Option<Vec<Fit>> = own.iter().map(|baked| baked.fit).collect();
-    advice::parts(name, own.len(), fits.as_deref().map(advice::PartsFit::from_fits), size, reachable)
+    advice::parts(name, own.len(), fits.as_deref().map(advice::PartsFit::from_fits), size, reachable, estimates)
 }
 
 /// Counts and measures the parts of one mesh, and records both in their hulls, with the mass of the
@@ -180,7 +180,8 @@ fn record_primitives(
     Some(advice::primitives(&mesh.name, count, own.len(), is_over(deadline)))
 }
 
-/// Also adds remarks on what an engine cannot use. `estimates` are for a divided mesh.
+/// Adds remarks on what an engine cannot use, and returns the estimates in words. `estimates` are
+/// for a divided mesh.
 fn judge(
     name: &str,
     diagonal: f64,
@@ -188,7 +189,7 @@ fn judge(
     cover: Option<&Cover>,
     estimates: Option<PartsEstimates>,
     measured: &mut Measured,
-) {
+) -> Option<String> {
     let of_part = |baked: &BakedHull| (baked.mass.volume, baked.mass.surface_area);
     let parts: Vec<PartMeasures> = own
         .iter()
@@ -216,14 +217,13 @@ fn judge(
     measured
         .remarks
         .extend(doubts.iter().filter(|doubt| doubt.flaw != Flaw::Uncovered).map(|doubt| doubt.remark.clone()));
-    if let Some(estimates) = estimates {
-        let found = estimates.looseness();
-        measured.remarks.extend(found.map(|found| advice::estimates(name, &found, estimates.voids)));
-        let outside = cover.zip(estimates.outside_hull);
-        measured.remarks.extend(outside.and_then(|(cover, outside)| advice::bulge(name, outside, diagonal, cover)));
-        let is_filled = cover.filter(|cover| cover.fill).map(|_| estimates.filled);
-        measured.remarks.extend(is_filled.map(|filled| advice::filled(name, filled)));
-        measured.remarks.extend(estimates.symmetry.map(|plane| advice::symmetric(name, &plane.in_words())));
-        measured.objects.push(DecomposedObject::new(&object, &doubts, estimates));
-    }
+    let estimates = estimates?;
+    let symmetry = estimates.symmetry.map(|plane| plane.in_words());
+    let words = estimates.looseness().map(|found| advice::estimates(&found, estimates.voids, symmetry.as_deref()));
+    let outside = cover.zip(estimates.outside_hull);
+    measured.remarks.extend(outside.and_then(|(cover, outside)| advice::bulge(name, outside, diagonal, cover)));
+    let is_filled = cover.filter(|cover| cover.fill).map(|_| estimates.filled);
+    measured.remarks.extend(is_filled.map(|filled| advice::filled(name, filled)));
+    measured.objects.push(DecomposedObject::new(&object, &doubts, estimates));
+    words
 }

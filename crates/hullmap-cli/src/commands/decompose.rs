@@ -198,17 +198,12 @@ fn write_text(report: &Report, out: &mut Output) -> Result<(), Failure> {
             Some(length) => format!("at most {} ({} of the diagonal)", short(length), percent(length / mesh.diagonal)),
             None => "unmeasured".to_owned(),
         };
-        let overlap = match (mesh.overlap, mesh.overlap_error) {
-            (Some(share), Some(error)) => format!("{} ± {}", percent(share), percent(error)),
-            _ => "unmeasured".to_owned(),
-        };
         out.line(format_args!(
-            "{}: {} {noun}, {} vertices; protrusion {}, uncovered {}, overlap {overlap}",
+            "{}: {} {noun}, {} vertices; protrusion {}",
             mesh.name,
             grouped(mesh.parts as u64),
             grouped(mesh.vertices as u64),
             bound(mesh.protrusion),
-            bound(mesh.uncovered),
         ))?;
     }
     Ok(out.line(format_args!("{}: {} bytes", report.output, grouped(report.bytes as u64)))?)

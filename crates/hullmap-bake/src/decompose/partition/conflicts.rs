@@ -226,6 +226,7 @@ mod tests {
                     useful: None,
                     wanted: 1,
                     peels: true,
+                    bridges: true,
                 };
                 let found = search(&Surface::new(&mesh), &mut Field::new(&solid), &limits).unwrap().parts.len();
                 let needed = all_needed(&mesh, share);

@@ -9,7 +9,7 @@ use super::{
     field::Field,
     piece::{Piece, Scale},
     sample::spread_points,
-    shape::{self, Part},
+    shape::{self, Part, Shell},
     wrap::HullLimits,
 };
 use crate::spread::spread;
@@ -81,6 +81,6 @@ impl PartitionSearch<'_> {
     /// The part of a piece.
     pub fn shaped(&self, piece: &Piece) -> Result<Part, Option<DVec3>> {
         let (hull, bound) = shape::shaped(self.field, &piece.body, &self.bounds)?;
-        Ok(Part { piece: piece.clone(), hull, bound })
+        Ok(Part { piece: piece.clone(), hull, bound, shell: Shell::default() })
     }
 }

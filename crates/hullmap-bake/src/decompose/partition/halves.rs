@@ -89,8 +89,10 @@ pub fn merge(
             forbidden.extend(beyond);
             continue;
         }
+        let shell = units[pair.0].as_ref().map(|unit| unit.part.shell).unwrap_or_default();
         match search.shaped(&united(search, &units, pair, &body, mirror)) {
             Ok(part) => {
+                let part = Part { shell, ..part };
                 shared = after;
                 let merged = [pair.0, pair.1].map(|i| units[i].take().map_or(0, |unit| unit.count()));
                 count = count + 1 - merged.iter().sum::<usize>();
@@ -118,8 +120,10 @@ fn images(body: &Body, mirror: &Mirror) -> Vec<DVec3> {
 
 fn pairs(units: &[Option<Unit>]) -> impl Iterator<Item = (usize, usize)> + '_ {
     let has_image = |i: usize| units[i].as_ref().map(|unit| unit.image.is_some());
+    let shell = |i: usize| units[i].as_ref().map(|unit| unit.part.shell);
     let all = (0..units.len()).flat_map(|j| (0..=j).map(move |i| (i, j)));
-    all.filter(move |(i, j)| match (has_image(*i), has_image(*j)) {
+    let of_one = all.filter(move |(i, j)| shell(*i) == shell(*j) && shell(*i).is_some_and(|shell| shell.meets_mirror));
+    of_one.filter(move |(i, j)| match (has_image(*i), has_image(*j)) {
         (Some(true), Some(true)) => i == j,
         (Some(false), Some(false)) => i != j,
         (Some(_), Some(_)) => true,

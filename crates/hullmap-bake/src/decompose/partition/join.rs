@@ -102,6 +102,7 @@ pub fn merge(
         let [Some(a), Some(b)] = [pair.0, pair.1].map(|i| left[i].as_ref()) else { continue };
         match search.shaped(&united(search, &a.piece, &b.piece, &body)) {
             Ok(part) => {
+                let part = Part { shell: a.shell, ..part };
                 shared = after;
                 (left[pair.0], left[pair.1]) = (None, None);
                 left.push(Some(part));
@@ -155,11 +156,14 @@ fn needed(
 
 fn near_pairs(parts: &[Option<Part>], gap: f64) -> impl Iterator<Item = (usize, usize)> + '_ {
     let gap = DVec3::splat(gap);
-    let bodies: Vec<(usize, &Body)> =
-        parts.iter().enumerate().filter_map(|(i, part)| Some((i, &part.as_ref()?.piece.body))).collect();
-    let is_near = move |a: &Body, b: &Body| a.low.cmple(b.high + gap).all() && b.low.cmple(a.high + gap).all();
-    (0..bodies.len()).flat_map(move |j| {
-        let (others, b) = (bodies[..j].to_vec(), bodies[j]);
+    let parts: Vec<(usize, &Part)> =
+        parts.iter().enumerate().filter_map(|(i, part)| Some((i, part.as_ref()?))).collect();
+    let is_near = move |a: &Part, b: &Part| {
+        let [own, other] = [&a.piece.body, &b.piece.body];
+        a.shell == b.shell && own.low.cmple(other.high + gap).all() && other.low.cmple(own.high + gap).all()
+    };
+    (0..parts.len()).flat_map(move |j| {
+        let (others, b) = (parts[..j].to_vec(), parts[j]);
         others.into_iter().filter(move |a| is_near(a.1, b.1)).map(move |a| (a.0, b.0))
     })
 }

@@ -57,7 +57,7 @@ use field::Field;
 pub use join::Merged;
 use peel::Along;
 use piece::{Atom, Piece, Scale};
-pub use shape::Part;
+pub use shape::{Part, Shell};
 use surface::Surface;
 use wrap::HullLimits;
 
@@ -97,6 +97,8 @@ pub struct PartitionLimits<'a> {
     pub wanted: usize,
     /// Whether pieces are also peeled, which takes longer and may give fewer parts.
     pub peels: bool,
+    /// Whether a part may hold several shells that are apart.
+    pub bridges: bool,
 }
 
 /// Numbers of parts above which a result is unusable.
@@ -118,7 +120,7 @@ pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) ->
     field.find_peaks(limits.bounds.limit * HARD_SHARE, limits.bounds.deadline);
     let field = &*field;
     let diagonal = field.solid().diagonal();
-    let PartitionLimits { bounds, overlap, useful, wanted, peels } = *limits;
+    let PartitionLimits { bounds, overlap, useful, wanted, peels, bridges } = *limits;
     let (limit, stage) = (bounds.limit, bounds.stage);
     let hard = HullLimits { limit: limit * HARD_SHARE, max_vertices: usize::MAX, thickness: 0.0, ..bounds };
     let cutting = Cutting { limit: limit * CELL_SHARE, hard, max_cells: MAX_CELLS };
@@ -136,9 +138,19 @@ pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) ->
         peels,
     };
     let mut forbidden = search.forbidden(triangles, &hull);
-    let whole = scale.piece(atoms, Vec::new(), &forbidden);
+    let shells = if bridges { vec![atoms] } else { scale.components(&atoms) };
+    let shells: Vec<Piece> = shells.into_iter().map(|atoms| scale.piece(atoms, Vec::new(), &forbidden)).collect();
+    let meets_mirror: Vec<bool> = shells
+        .iter()
+        .map(|shell| bridges || surface.mirror.as_ref().is_some_and(|m| scale.meets(&shell.body, &m.plane)))
+        .collect();
     let most = useful.map_or(usize::MAX, |useful| useful.divided);
-    let parts = divided(&search, whole, most, 0, &mut forbidden, stage.from_to(STAGES[0], STAGES[1]))?;
+    let found = each_divided(&search, shells, most, 0, &mut forbidden, stage.from_to(STAGES[0], STAGES[1]))?;
+    let of_shell = |(index, parts): (u32, Vec<Part>)| {
+        let shell = Shell { index, meets_mirror: meets_mirror[index as usize] };
+        parts.into_iter().map(move |part| Part { shell, ..part }).collect::<Vec<_>>()
+    };
+    let parts: Vec<Part> = (0..).zip(found).flat_map(of_shell).collect();
     let Some(mirror) = &surface.mirror else {
         return Some(join::merge(&search, parts, None, &mut forbidden, overlap, wanted));
     };
@@ -200,7 +212,7 @@ pub fn halved(surface: &Surface, bounds: &HullLimits, count: usize) -> Vec<Part>
     let part = |piece: Piece| {
         let tight = wrap::tight(&piece.body.points, bounds.diagonal, bounds.thickness)?;
         let hull = few::quickly_within_vertices(tight, bounds.max_vertices);
-        Some(Part { hull, piece, bound: f64::INFINITY })
+        Some(Part { hull, piece, bound: f64::INFINITY, shell: Shell::default() })
     };
     pieces.into_par_iter().filter_map(part).collect()
 }
@@ -260,6 +272,7 @@ fn divided(
     if search.peels && is_peeled(&best) { Some(peeled(search, &piece, best, needed)) } else { Some(best) }
 }
 
+/// The parts of several pieces, at most `most`.
 fn all_divided(
     search: &PartitionSearch,
     pieces: Vec<Piece>,
@@ -268,17 +281,30 @@ fn all_divided(
     known: &mut Vec<DVec3>,
     stage: Stage,
 ) -> Option<Vec<Part>> {
+    Some(each_divided(search, pieces, most, depth, known, stage)?.concat())
+}
+
+/// The parts of each of several pieces, at most `most` in all.
+fn each_divided(
+    search: &PartitionSearch,
+    pieces: Vec<Piece>,
+    most: usize,
+    depth: u32,
+    known: &mut Vec<DVec3>,
+    stage: Stage,
+) -> Option<Vec<Vec<Part>>> {
     let area: f64 = pieces.iter().map(Piece::area).sum();
-    let (mut parts, mut done, mut left) = (Vec::new(), 0.0, pieces.len());
+    let (mut found, mut count, mut done, mut left) = (Vec::new(), 0, 0.0, pieces.len());
     for piece in pieces {
         left -= 1;
         let share = piece.area() / area;
         // Each of the others takes one part at least.
-        let most = most.checked_sub(parts.len() + left).filter(|most| *most > 0)?;
-        parts.extend(divided(search, piece, most, depth, known, stage.from_to(done, done + share))?);
-        done += share;
+        let most = most.checked_sub(count + left).filter(|most| *most > 0)?;
+        let parts = divided(search, piece, most, depth, known, stage.from_to(done, done + share))?;
+        (count, done) = (count + parts.len(), done + share);
+        found.push(parts);
     }
-    Some(parts)
+    Some(found)
 }
 
 fn halves(search: &PartitionSearch, piece: &Piece, conflicts: Option<&Conflicts>) -> Option<[Piece; 2]> {
@@ -323,7 +349,8 @@ fn of_polygons(search: &PartitionSearch, piece: &Piece) -> Vec<Part> {
     thin.filter_map(|(polygon, hull)| {
         let bound = wrap::prove(search.field, &hull, &search.bounds, wrap::MEASUREMENTS).unwrap_or(f64::INFINITY);
         let atoms = vec![Arc::new(Atom::new(Patch::new(vec![polygon])?))];
-        Some(Part { piece: search.scale.piece(atoms, piece.planes.clone(), &[]), hull, bound })
+        let piece = search.scale.piece(atoms, piece.planes.clone(), &[]);
+        Some(Part { piece, hull, bound, shell: Shell::default() })
     })
     .collect()
 }

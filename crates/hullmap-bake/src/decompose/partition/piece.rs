@@ -240,6 +240,11 @@ impl Scale {
         sides
     }
 
+    /// Whether a body reaches a plane, as far as the limit is concerned.
+    pub fn meets(&self, body: &Body, plane: &HalfSpace) -> bool {
+        body.points.iter().any(|p| plane.height(*p).abs() <= GAP * self.limit)
+    }
+
     /// For each atom, its neighbours.
     pub fn neighbours(&self, atoms: &[Arc<Atom>]) -> Vec<Vec<u32>> {
         let gap = DVec3::splat(GAP * self.limit);

@@ -68,6 +68,17 @@ pub struct Part {
     pub hull: Hull,
     /// Proven bound on the hull's protrusion; infinite if it is not known.
     pub bound: f64,
+    /// The shell that it belongs to.
+    pub shell: Shell,
+}
+
+/// A connected surface, apart from all others: no part holds several.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shell {
+    /// Index of the shell.
+    pub index: u32,
+    /// Whether it reaches the mirror plane, so that it is its own image.
+    pub meets_mirror: bool,
 }
 
 /// A hull, and the proven bound on its protrusion, or why there is none: a point of the tight hull

@@ -10,7 +10,7 @@ use hullmap_geometry::PointSet;
 fn limits(limit: f64, solid: &Solid) -> PartitionLimits<'static> {
     let (thickness, diagonal, stage) = (0.5 * limit, solid.diagonal(), Stage::default());
     let bounds = HullLimits { limit, max_vertices: 64, diagonal, thickness, deadline: None, stage };
-    PartitionLimits { bounds, overlap: 0.05, useful: None, wanted: 1, peels: true }
+    PartitionLimits { bounds, overlap: 0.05, useful: None, wanted: 1, peels: true, bridges: false }
 }
 
 /// Searches, and checks both promises: by the certified cover, and at random points of the parts.

@@ -160,9 +160,9 @@ fn about_fit(result: &HullVerification) -> Vec<Remark> {
     let first = result.parts.filter(|_| result.part_of[0] == 0);
     let Some((estimates, hull)) = first.zip(result.hull.as_deref()) else { return Vec::new() };
     let name = hull.rsplit_once("_part_").map_or(hull, |(name, _)| name);
-    let loose = estimates.looseness().map(|found| advice::estimates(name, &found, estimates.voids));
-    let symmetric = estimates.symmetry.map(|plane| advice::symmetric(name, &plane.in_words()));
-    loose.into_iter().chain(symmetric).collect()
+    let symmetry = estimates.symmetry.map(|plane| plane.in_words());
+    let words = estimates.looseness().map(|found| advice::estimates(&found, estimates.voids, symmetry.as_deref()));
+    words.map(|words| Remark::note("estimates", name, format!("{name}: {words}"))).into_iter().collect()
 }
 
 fn verified_hull(result: HullVerification) -> VerifiedHull {

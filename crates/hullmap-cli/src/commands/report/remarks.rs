@@ -49,7 +49,7 @@ fn about_object(
         warnings.extend(hullmap_import::far_away(name, &vertices));
     }
     let size = parts.iter().map(Hull::diameter).fold(0.0, f64::max);
-    is_cut.then(|| advice::parts(name, parts.len(), fit(parts), size, reachable))
+    is_cut.then(|| advice::parts(name, parts.len(), fit(parts), size, reachable, None))
 }
 
 fn fit(parts: &[Hull]) -> Option<PartsFit> {
