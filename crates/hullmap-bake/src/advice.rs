@@ -230,6 +230,21 @@ pub fn estimates(found: &Looseness, voids: Option<f64>, symmetry: Option<&str>) 
     format!("the parts {}{} {last}", words.join(", "), if words.len() > 1 { ", and" } else { " and" })
 }
 
+/// Share of the solid in no part, above which there is a warning.
+const EMPTY: f64 = 0.01;
+
+/// Warning about parts that leave the share `voids` of the solid empty; `None` if it is small.
+pub fn empty(name: &str, voids: f64) -> Option<Remark> {
+    // Written so that NaN is no remark.
+    (voids > EMPTY).then(|| {
+        let text = format!(
+            "{name}: {} of the solid is in no part, so bodies that start there are not pushed out; add --fill",
+            percent(voids)
+        );
+        Remark { weight: voids, ..Remark::warning("empty", name, text) }
+    })
+}
+
 /// Bulge, relative to the diagonal, above which there is a note: a body of 1 m that rests on that
 /// part floats 1 cm above the visible surface.
 const BULGE: f64 = 0.01;
@@ -562,6 +577,13 @@ mod tests {
             "a: parts extend up to 0.039 (1.95% of the diagonal) beyond the convex hull of the mesh, because 64";
         assert!(!note.is_warning && note.text.starts_with(words) && note.text.contains("--max-vertices"), "{note:?}");
         assert!([0.02, 0.0, f64::NAN].into_iter().all(|outside| bulge("a", outside, 2.0, &cover).is_none()));
+    }
+
+    #[test]
+    fn large_voids_are_a_warning() {
+        assert!(empty("a", 0.01).is_none() && empty("a", f64::NAN).is_none());
+        let remark = empty("a", 0.18).unwrap();
+        assert!(remark.is_warning && remark.text.contains("18% of the solid is in no part"), "{}", remark.text);
     }
 
     #[test]

@@ -327,7 +327,7 @@ fn packs_made_by_hand_are_judged_as_well() {
     let sheet = SolidKind::Walls.code().to_le_bytes();
     let file = (0..3).fold(file, |file, hull| changed(&file, |pack| &pack.hulls[hull].solid, &sheet));
     let rows = verify_edited(&folder, &file, 1.0, |record| &record.protrusion, 1);
-    assert!(problems(&rows).contains("is recorded as sheet, but it is watertight"), "{rows:?}");
+    assert!(problems(&rows).contains("is recorded as walls, but it is watertight"), "{rows:?}");
 }
 
 /// Collision parts with a mesh are measured against it; without one they claim nothing.

@@ -222,6 +222,8 @@ fn judge(
     let words = estimates.looseness().map(|found| advice::estimates(&found, estimates.voids, symmetry.as_deref()));
     let outside = cover.zip(estimates.outside_hull);
     measured.remarks.extend(outside.and_then(|(cover, outside)| advice::bulge(name, outside, diagonal, cover)));
+    let may_be_empty = estimates.voids.filter(|_| cover.is_some_and(|cover| !cover.fill && cover.max_parts.is_none()));
+    measured.remarks.extend(may_be_empty.and_then(|voids| advice::empty(name, voids)));
     let is_filled = cover.filter(|cover| cover.fill).map(|_| estimates.filled);
     measured.remarks.extend(is_filled.map(|filled| advice::filled(name, filled)));
     measured.objects.push(DecomposedObject::new(&object, &doubts, estimates));

@@ -1,11 +1,12 @@
 //! Gathers what the report shows about a file: its source, its verification, and remarks.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
 use hullmap::Asset;
-use hullmap_bake::advice::{self, Remark};
-use hullmap_report::input::{self as report, Remarks, Verification, VerifiedHull};
+use hullmap_bake::advice;
+use hullmap_report::input::{self as report, Verification, VerifiedHull};
 use hullmap_report::surface::SurfaceReport;
 use hullmap_report::{Analysis, Card, Input, analyse, pack_page, surface_page};
 
@@ -82,14 +83,27 @@ pub fn analyse_file(
             return Ok(Analysed::Surface(Box::new(report)));
         }
     };
-    let mut remarks = remarks(pack, kept_warnings(&asset), source.as_ref());
+    let start = Instant::now();
+    let results = verified(&asset, source.as_ref(), args, &mut faults);
+    let verify_time = start.elapsed();
+    let mut remarks = remarks(pack, kept_warnings(&asset), source.as_ref(), &estimates_in_words(&results));
+    for text in results.iter().flat_map(|result| &result.warnings) {
+        if remarks.warnings.len() < MAX_WARNINGS && !remarks.warnings.contains(text) {
+            remarks.warnings.push(text.clone());
+        }
+    }
     if source.is_none() {
         let warning = format!(
             "{absent} the hull is shown alone and was compared with itself only; name the source with --source"
         );
         remarks.warnings.insert(0, warning);
     }
-    let verification = verified(&asset, source.as_ref(), args, &mut faults, &mut remarks);
+    let verification = Verification {
+        is_against_source: source.is_some(),
+        directions: args.directions,
+        hulls: results.into_iter().map(verified_hull).collect(),
+        time: verify_time,
+    };
     remarks.faults = faults;
     let source = source.map(|source| report::Source {
         name: source_name(&source, pack.source_path()),
@@ -110,16 +124,13 @@ pub fn analyse_file(
     Ok(Analysed::Pack(Box::new(analysis)))
 }
 
-/// Verifies the pack as `bake verify` does. Failures are added to `faults`, and flaws for engines
-/// to the warnings, unless the pack keeps them. How parts fit together is a note.
+/// Verifies the pack as `bake verify` does. Failures are added to `faults`.
 fn verified(
     asset: &Asset,
     source: Option<&Source>,
     args: &ReportArgs,
     faults: &mut Vec<String>,
-    remarks: &mut Remarks,
-) -> Verification {
-    let start = Instant::now();
+) -> Vec<HullVerification> {
     let results = match verify(asset, source.map(|source| &source.content), args.directions, args.seed) {
         Ok(Verified::Hulls(results)) => results,
         Ok(Verified::Surface(_)) => Vec::new(),
@@ -129,18 +140,7 @@ fn verified(
         }
     };
     faults.extend(results.iter().filter(|result| !result.pass).map(HullVerification::verdict));
-    for text in results.iter().flat_map(|result| &result.warnings) {
-        if remarks.warnings.len() < MAX_WARNINGS && !remarks.warnings.contains(text) {
-            remarks.warnings.push(text.clone());
-        }
-    }
-    remarks.notes.extend(advice::summarise(results.iter().flat_map(about_fit)).0);
-    Verification {
-        is_against_source: source.is_some(),
-        directions: args.directions,
-        hulls: results.into_iter().map(verified_hull).collect(),
-        time: start.elapsed(),
-    }
+    results
 }
 
 fn estimates(found: PartsEstimates) -> report::PartsEstimates {
@@ -156,13 +156,16 @@ fn estimates(found: PartsEstimates) -> report::PartsEstimates {
     }
 }
 
-fn about_fit(result: &HullVerification) -> Vec<Remark> {
-    let first = result.parts.filter(|_| result.part_of[0] == 0);
-    let Some((estimates, hull)) = first.zip(result.hull.as_deref()) else { return Vec::new() };
-    let name = hull.rsplit_once("_part_").map_or(hull, |(name, _)| name);
-    let symmetry = estimates.symmetry.map(|plane| plane.in_words());
-    let words = estimates.looseness().map(|found| advice::estimates(&found, estimates.voids, symmetry.as_deref()));
-    words.map(|words| Remark::note("estimates", name, format!("{name}: {words}"))).into_iter().collect()
+/// How the parts of each object fit together, in words, by the object's name.
+fn estimates_in_words(results: &[HullVerification]) -> BTreeMap<String, String> {
+    let of = |result: &HullVerification| {
+        let (estimates, hull) = result.parts.filter(|_| result.part_of[0] == 0).zip(result.hull.as_deref())?;
+        let name = hull.rsplit_once("_part_").map_or(hull, |(name, _)| name);
+        let symmetry = estimates.symmetry.map(|plane| plane.in_words());
+        let words = advice::estimates(&estimates.looseness()?, estimates.voids, symmetry.as_deref());
+        Some((name.to_owned(), words))
+    };
+    results.iter().filter_map(of).collect()
 }
 
 fn verified_hull(result: HullVerification) -> VerifiedHull {

@@ -1,6 +1,8 @@
 //! Notes and warnings of the import and bake of a pack. A pack stores its warnings. Notes, and
 //! warnings of packs that store none, are computed again from the pack and its source.
 
+use std::collections::BTreeMap;
+
 use hullmap::{Hull, Pack, SupportMap};
 use hullmap_bake::advice::{self, HullMeasures, PartsFit, Remark};
 use hullmap_bake::decompose::Length;
@@ -9,8 +11,14 @@ use hullmap_report::input::Remarks;
 use hullmap_pipeline::options::BuildOptions;
 use hullmap_pipeline::source::Source;
 
-/// Remarks about the import and the hulls. Without a source, hulls are checked for far coordinates.
-pub fn remarks(pack: &Pack, kept: Vec<String>, source: Option<&Source>) -> Remarks {
+/// Remarks about the import and the hulls. `estimates` are words about the parts of each object, by
+/// its name. Without a source, hulls are checked for far coordinates.
+pub fn remarks(
+    pack: &Pack,
+    kept: Vec<String>,
+    source: Option<&Source>,
+    estimates: &BTreeMap<String, String>,
+) -> Remarks {
     let mut remarks = Remarks::default();
     if let Some(source) = source {
         [remarks.notes, remarks.warnings] = source.content.remarks().map(<[String]>::to_vec);
@@ -21,7 +29,7 @@ pub fn remarks(pack: &Pack, kept: Vec<String>, source: Option<&Source>) -> Remar
     let mut found = Vec::new();
     // The parts of one object follow one another; the first has part number 0.
     for parts in hulls.chunk_by(|_, next| next.part() > 0) {
-        found.extend(about_object(parts, source.is_some(), reachable, &mut remarks.warnings));
+        found.extend(about_object(parts, source.is_some(), reachable, estimates, &mut remarks.warnings));
     }
     let is_decomposed = cover.is_some();
     found.extend(hulls.iter().flat_map(|hull| about_hull(hull, is_decomposed && hull.part_count() > 1)));
@@ -38,6 +46,7 @@ fn about_object(
     parts: &[Hull],
     has_source: bool,
     reachable: Option<Length>,
+    estimates: &BTreeMap<String, String>,
     warnings: &mut Vec<String>,
 ) -> Option<Remark> {
     let first = parts.first()?;
@@ -49,7 +58,8 @@ fn about_object(
         warnings.extend(hullmap_import::far_away(name, &vertices));
     }
     let size = parts.iter().map(Hull::diameter).fold(0.0, f64::max);
-    is_cut.then(|| advice::parts(name, parts.len(), fit(parts), size, reachable, None))
+    let words = estimates.get(name).map(String::as_str);
+    is_cut.then(|| advice::parts(name, parts.len(), fit(parts), size, reachable, words))
 }
 
 fn fit(parts: &[Hull]) -> Option<PartsFit> {
@@ -84,7 +94,7 @@ mod tests {
     fn warnings(positions: Vec<[f32; 3]>) -> String {
         let set = PointSet { name: "cloud".to_owned(), ..PointSet::of_positions(positions) };
         let bytes = write_pack(&[bake_hull(&set, IndexKind::Tree).unwrap()], &SourceRecord::default()).unwrap();
-        let found = remarks(&Pack::from_bytes(&bytes).unwrap(), Vec::new(), None);
+        let found = remarks(&Pack::from_bytes(&bytes).unwrap(), Vec::new(), None, &BTreeMap::new());
         assert!(found.notes.is_empty());
         found.warnings.join("|")
     }
