@@ -219,7 +219,7 @@ fn openings_are_kept_and_holes_are_closed() {
     };
     let cube = block([0.0; 3], [1.0; 3], false);
     // A quad of its 600 is missing.
-    let rings = (1..20).map(|i| f64::from(i) * std::f64::consts::PI / 20.0).map(|a| [a.sin(), -a.cos()]);
+    let rings = (1..20).map(|i| f64::from(i) * std::f64::consts::PI / 20.0).map(|a| [libm::sin(a), -libm::cos(a)]);
     let profile: Vec<[f64; 2]> = [[0.0, -1.0]].into_iter().chain(rings).chain([[0.0, 1.0]]).collect();
     let ball = shapes::solids::lathe(&profile, 30);
     let ball = mesh(&ball.vertices, &ball.fans());

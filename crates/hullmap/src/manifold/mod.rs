@@ -58,7 +58,7 @@ use near::{Near, near_contact};
 use select::{Choice, SAME_PLACE, SLIGHT, Spot};
 pub use settings::{ManifoldSettings, Prediction};
 use std::fmt;
-use surface::{settle, witness};
+use surface::{INWARD, settle, witness};
 
 /// Maximum number of points of a manifold.
 pub const MAX_POINTS: usize = 4;
@@ -82,11 +82,6 @@ const LEAST_COSINE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Distance from the centre, relative to the smaller shape's outer radius, of a point on which a
 /// body balances.
 const BALANCED: f64 = 0.05;
-
-/// Distance by which a point moves inward if a ray misses the surface there, relative to the
-/// smaller shape's outer radius: ten times the slack of clipping. Rays miss at the corners of discs
-/// that lie on each other, and a stack falls if these have no points.
-const INWARD: f64 = 1e-5;
 
 /// Maximum number of steps of a second search for the contact of curved shapes.
 const MOST_AGAIN: u32 = 128;

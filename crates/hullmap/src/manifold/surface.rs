@@ -6,12 +6,16 @@
 
 #![forbid(unsafe_code)]
 
-use super::INWARD;
 use super::clip::{Body, Frame, PatchPoint, nearest_on};
 use crate::pose::Pose;
 use crate::shapes::{Corner, Feature, Shape};
 use crate::solver::Ray;
 use glam::{DVec2, DVec3};
+
+/// Distance by which a point moves inward if a ray misses the surface there, relative to the
+/// smaller shape's outer radius: ten times the slack of clipping. Rays miss at the corners of discs
+/// that lie on each other, and a stack falls if these have no points.
+pub(super) const INWARD: f64 = 1e-5;
 
 /// Moves a point of the patch to the surfaces of A and B along the normal of `frame`, from `above`
 /// both surfaces: a length. Returns false if a surface is not there. `features` are the features of
