@@ -199,4 +199,4 @@ void hullmap_decomposition_free(HullmapDecomposition *decomposition);
 
 // Options with all defaults.
 #define HULLMAP_DECOMPOSE_OPTIONS_DEFAULT \
-    {sizeof(HullmapDecomposeOptions), 0.0, 0.0, 0, 0, 0.0, 0.0, 0.0, 0, 0.0, 0}
+    {sizeof(HullmapDecomposeOptions), 0.0, 0.0, 0, 0, 0.0, 0, 0.0, 0.0, 0, 0.0, 0}

@@ -115,6 +115,13 @@ static void good_calls(void) {
     hullmap_decomposition_free(found);
     options.fill = 0;
 
+    options.solid = 2;
+    check(run(&options, &found) == HULLMAP_DECOMPOSE_RESULT_OK, "walls");
+    check(hullmap_decomposition_facts(found, &facts) == HULLMAP_DECOMPOSE_RESULT_OK, "facts of walls");
+    check(facts.part_count > 4 && facts.protrusion <= 0.02 * sqrt(19), "walls are hollow");
+    hullmap_decomposition_free(found);
+    options.solid = 0;
+
     options.max_parts = 1;
     check(hullmap_decompose(points[0], 16, triangles[0], 28, &options, progress, &found) == HULLMAP_DECOMPOSE_RESULT_OK,
           "one part");
@@ -153,6 +160,9 @@ static void bad_calls(void) {
     options.max_error = -1;
     check(run(&options, &found) == HULLMAP_DECOMPOSE_RESULT_INVALID_ARGUMENT, "a length below 0");
     options.max_error = 0;
+    options.solid = 3;
+    check(run(&options, &found) == HULLMAP_DECOMPOSE_RESULT_INVALID_ARGUMENT, "no such kind of solid");
+    options.solid = 0;
     options.struct_size = 8;
     check(run(&options, &found) == HULLMAP_DECOMPOSE_RESULT_INVALID_ARGUMENT, "another version");
     hullmap_decompose_progress_cancel(progress);
