@@ -50,10 +50,10 @@ pub struct Cover {
     /// Overlap of the parts up to which they are merged: the sum of their volumes less the volume
     /// of their union, relative to the latter.
     pub overlap: f64,
-    /// What the solid of a mesh is.
+    /// The rule for the solid of an open mesh.
     pub solid: SolidRule,
-    /// Thickness of the parts of walls, and least thickness of any part, above 0. It is at most half
-    /// of the maximum error.
+    /// Thickness of the parts of walls, and least thickness of any part, above 0. It is at most
+    /// half of the maximum error.
     pub wall: Length,
     /// Whether a mesh that has a mirror plane gets symmetric parts.
     pub symmetry: bool,

@@ -213,7 +213,7 @@ fn parts_do_not_bridge_shells() {
     }
 }
 
-/// A ball gets into a box without a lid, whose faces have one side or two, unless the box is closed.
+/// A ball gets into a box without a lid, whose faces have one side or two, unless it is closed.
 #[test]
 fn openings_of_walls_stay_open() {
     let mut mesh = point_set(&extrusion(&[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]], -0.5, 0.5));

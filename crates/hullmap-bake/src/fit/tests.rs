@@ -202,8 +202,8 @@ fn a_triangle_in_two_parts_is_covered_exactly() {
     assert!(both < 1e-11, "{both}");
 }
 
-/// Mouths, of one layer and of two, are open. Small holes of a surface with one side are closed, and
-/// so is whatever has no holes.
+/// Mouths, of one layer and of two, are open. Small holes of a surface with one side are closed,
+/// and so is whatever has no holes.
 #[test]
 fn openings_are_kept_and_holes_are_closed() {
     use SolidKind::{Closed, Walls, Watertight};

@@ -12,11 +12,11 @@ use hullmap_geometry::triangle::Triangle;
 const DOUBLED: f64 = 0.5;
 
 /// Area of a hole relative to the mesh's, above which the mesh is its walls. The mouth of a cup of
-/// one layer, as high as it is wide, has a fifth; the bottom that a teapot lacks has an eighth to
-/// its disadvantage.
+/// one layer, as high as it is wide, has a fifth, the bottom that the teapot of V-HACD lacks 12 %,
+/// and a hole of a scan at most 2 %.
 const MOUTH: f64 = 0.125;
 
-/// What the solid of a mesh is.
+/// Rule for the solid of an open mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SolidRule {
     /// The walls of a mesh that is open, if half of its area has faces on both sides, or a hole has
@@ -42,8 +42,8 @@ impl SolidRule {
         }
     }
 
-    /// Whether the solid of a mesh is its walls. `is_first` states for each of its triangles whether
-    /// it repeats none before it; `holes` are the triangles that close each of its holes.
+    /// Whether the solid of a mesh is its walls. `is_first` states for each of its triangles
+    /// whether it repeats none before it; `holes` are the triangles that close each of its holes.
     pub(super) fn is_walls(self, triangles: &[Triangle], is_first: &[bool], holes: &[Vec<Triangle>]) -> bool {
         if self != Self::Auto {
             return self == Self::Walls;

@@ -9,9 +9,9 @@
 //! 2. A pair of the last frame updates its manifold, with its solver cache. Another pair tries an
 //!    empty manifold, and gets an entry if it has points.
 //! 3. Normals at edges between the parts of a compound are corrected ([`seams`](super::seams)).
-//! 4. If the correction leaves no pair, the deepest of those that it has removed stays: no body that
-//!    touches is without a manifold. This happens where a body is smaller than the steps of the f32
-//!    coordinates, at which all normals are in doubt.
+//! 4. If the correction leaves no pair, the deepest of those that it has removed stays: no body
+//!    that touches is without a manifold. This happens where a body is not much larger than the
+//!    steps of f32 coordinates, at which all normals are in doubt.
 //! 5. Pairs that no longer touch leave their entries.
 
 use super::bvh::{Node, Placement};

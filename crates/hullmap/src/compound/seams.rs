@@ -192,7 +192,7 @@ pub fn weld<A: Shape + ?Sized, B: Shape + ?Sized>(
     true
 }
 
-/// What the correction of a manifold came to.
+/// Result of the correction of a manifold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Correction {
     Kept,

@@ -336,8 +336,8 @@ impl Manifold {
         let prediction = settings.prediction.length(reach);
         let lengths = [prediction, ON_SURFACE * reach];
         let near = near_contact((a, b, b_in_a), &settings.contact, lengths, cache);
-        // Where edges face each other, and one is curved, a point that is off within the tolerance is
-        // beside the other edge.
+        // Where edges face each other, and one is curved, a point that is off within the tolerance
+        // is beside the other edge.
         if self.update_near((a, b, b_in_a), &near, [prediction, reach], near.status != Status::Exact) {
             return near.contact;
         }
@@ -351,8 +351,8 @@ impl Manifold {
 
     /// Updates the points for a contact. `lengths` are the prediction and the smaller outer radius.
     ///
-    /// If no point is about as deep as the contact, and `is_trial`, it returns false, and leaves the
-    /// points.
+    /// If no point is about as deep as the contact, and `is_trial`, it returns false, and leaves
+    /// the points.
     fn update_near<A: Shape + ?Sized, B: Shape + ?Sized>(
         &mut self,
         (a, b, b_in_a): (&A, &B, Pose),

@@ -45,8 +45,8 @@ pub(super) fn settle<A: Shape + ?Sized, B: Shape + ?Sized>(
 ///
 /// If the contact has stalled, or a curved shape meets an edge, its two points are not on a line
 /// along the normal. Then one of them is taken that is on its surface: on a polytope, or on any
-/// shape if the interval is narrow. Otherwise the support point of one shape is taken, and the place
-/// on the other one's face that is nearest to it, or on the line through it.
+/// shape if the interval is narrow. Otherwise the support point of one shape is taken, and the
+/// place on the other one's face that is nearest to it, or on the line through it.
 pub(super) fn witness<A: Shape + ?Sized, B: Shape + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     (frame, features): (&Frame, &[Feature; 2]),
@@ -80,8 +80,8 @@ pub(super) fn witness<A: Shape + ?Sized, B: Shape + ?Sized>(
         .or_else(|| through(on_a.point, [true, false]))
 }
 
-/// Places beside `at` that are farther inside of A, of B, or of both, seen along the normal. Where two
-/// edges cross, a ray through their common point misses one of them by rounding error.
+/// Places beside `at` that are farther inside of A, of B, or of both, seen along the normal. Where
+/// two edges cross, a ray through their common point misses one of them by rounding error.
 fn inward<A: Shape + ?Sized, B: Shape + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
     frame: &Frame,

@@ -197,7 +197,7 @@ pub(super) fn cast_sharp<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     enter_along((a, b, b_in_a), path, &query(a, b, path, settings), axis)
 }
 
-/// [`cast_sharp`] of a point along a ray. On a polytope, the normal is that of a face.
+/// [`cast_sharp`] of a point along a ray. On a polytope, the normal belongs to a face.
 #[inline]
 pub(super) fn cast_dot<S: SupportMap + ?Sized, D: SupportMap>(
     (shape, dot, start): (&S, &D, Pose),

@@ -60,7 +60,7 @@ pub(super) struct LineQuery {
     pub(super) limit: f64,
     pub(super) tolerance: f64,
     /// Width of the interval at which the search ends before the surface: the tolerance, or −∞ if
-    /// the normal must be that of a face.
+    /// the normal must belong to a face.
     pub(super) gap: f64,
     /// Maximum number of steps.
     pub(super) max_iterations: u32,
@@ -216,8 +216,8 @@ impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> LineSearch<'_, '_, A, B> {
         let (open, moved) = (self.clip.lower - self.clip.entry, self.clip.error);
         let is_same = open <= EXACT_ERRORS * moved && open * self.clip.normal.dot(self.clip.direction).abs() <= moved;
         if !is_same {
-            // The ball around the set is no plane, and it is farther out than this one, which is moved
-            // outward by the error.
+            // The ball around the set is no plane, and it is farther out than this one, which is
+            // moved outward by the error.
             self.probe(DVec3::NEG_Z);
         }
         let clip = &self.clip;
