@@ -104,11 +104,10 @@ impl BuildOptions {
             max_vertices: self
                 .within_budget(self.optional_count("max_vertices").unwrap_or(Cover::default().max_vertices)),
             overlap: self.optional_number("overlap").unwrap_or(f64::INFINITY),
-            solid: match self.word("solid") {
-                "closed" => SolidRule::Closed,
-                "walls" => SolidRule::Walls,
-                _ => SolidRule::Auto,
-            },
+            solid: SolidRule::ALL
+                .into_iter()
+                .find(|rule| rule.as_str() == self.word("solid"))
+                .expect("the table lists the names of rules"),
             wall: self.length("wall").unwrap_or(Length::Relative(THINNEST)),
             symmetry: self.word("symmetry") == "auto",
             reachable: self.length("reachable"),
