@@ -4,7 +4,7 @@
 
 use std::collections::HashMap;
 
-use crate::decompose::{Cover, Length};
+use crate::decompose::Cover;
 use crate::fit::{self, Looseness};
 use crate::{baked_hull::BakedHull, fit::Fit, mass};
 use hullmap_format::SolidKind;
@@ -238,7 +238,8 @@ pub fn empty(name: &str, voids: f64) -> Option<Remark> {
     // Written so that NaN is no remark.
     (voids > EMPTY).then(|| {
         let text = format!(
-            "{name}: {} of the solid is in no part, so bodies that start there are not pushed out; add --fill",
+            "{name}: {} of the solid is in no part, so bodies that start there are not pushed out; try \
+             another --max-error",
             percent(voids)
         );
         Remark { weight: voids, ..Remark::warning("empty", name, text) }
@@ -266,6 +267,17 @@ pub fn bulge(name: &str, outside: f64, diagonal: f64, cover: &Cover) -> Option<R
     })
 }
 
+/// Note on a mesh that only the maximum number of vertices divides: one part of `vertices` is
+/// within the maximum error.
+pub fn divided_by_vertices(name: &str, vertices: usize, cover: &Cover) -> Remark {
+    let text = format!(
+        "{name}: {} vertices a part do not suffice for the error; one part of {vertices} would do: add --max-vertices \
+         {vertices}",
+        cover.max_vertices,
+    );
+    Remark::note("divided by vertices", name, text)
+}
+
 /// Note on the number of parts that primitives may replace; `is_late` if the deadline ended the
 /// search.
 pub fn primitives(name: &str, count: usize, of: usize, is_late: bool) -> Remark {
@@ -276,45 +288,13 @@ pub fn primitives(name: &str, count: usize, of: usize, is_late: bool) -> Remark 
     Remark::note("primitives", name, text)
 }
 
-/// Remark on parts that were to leave no voids: whether that is proven, or `None` if the mesh is
-/// not closed.
-pub fn filled(name: &str, filled: Option<bool>) -> Remark {
-    match filled {
-        Some(true) => {
-            let text = format!("{name}: the parts leave no voids: every point of the solid is in a part, proven");
-            Remark::note("filled", name, text)
-        }
-        Some(false) => {
-            let text = format!(
-                "{name}: the parts leave voids, since more parts or more time would be needed; raise --max-parts or \
-                 --decompose-seconds, or leave them out"
-            );
-            Remark::warning("voids", name, text)
-        }
-        None => {
-            let text = format!(
-                "{name}: nothing was filled, because the mesh is not closed and its inside is not known; close its holes"
-            );
-            Remark::warning("not filled", name, text)
-        }
-    }
-}
-
 /// Uncovered distance, relative to the size, that counts as covered: the containment error that a
 /// hull may have, 1e-7, with room for rounding.
 const COVERED: f64 = 1.5e-7;
 
 /// How the `count` parts of an object fit it, if that was measured; `size` is the diameter of the
-/// largest part. If there is a radius `reachable`, protrusion counts only where a ball of that
-/// radius can get from outside. `estimates` are words of [`estimates`].
-pub fn parts(
-    name: &str,
-    count: usize,
-    fit: Option<PartsFit>,
-    size: f64,
-    reachable: Option<Length>,
-    estimates: Option<&str>,
-) -> Remark {
+/// largest part. `estimates` are words of [`estimates`].
+pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64, estimates: Option<&str>) -> Remark {
     let noun = if count == 1 { "part" } else { "parts" };
     let Some(PartsFit { solid, uncovered, protrusion }) = fit else {
         let text = format!("{name}: {count} {noun}; not measured, because a bound is not finite");
@@ -331,11 +311,9 @@ pub fn parts(
         SolidKind::Walls => ("the walls", "; the mesh is open or encloses nothing, so its walls are its solid"),
     };
     let protrusion = short(protrusion);
-    let place =
-        reachable.map_or_else(String::new, |radius| format!(" where a ball of radius {radius} can get from outside"));
     let more = estimates.map_or_else(String::new, |words| format!("; {words}"));
     let text = format!(
-        "{name}: {count} {noun}; {covered}, and no part protrudes more than {protrusion} from {from}{place}{how}{more}"
+        "{name}: {count} {noun}; {covered}, and no part protrudes more than {protrusion} from {from}{how}{more}"
     );
     Remark::by_size("parts", name, text, uncovered, size, "to cover more, decompose the mesh with --decompose")
 }
@@ -550,12 +528,12 @@ mod tests {
         );
         assert!(simple(f64::NAN).unwrap().is_warning);
         let fit = |uncovered| Some(PartsFit { solid: SolidKind::Watertight, uncovered, protrusion: 0.25 });
-        assert!(!parts("a", 3, fit(1e-3), 1.0, None, None).is_warning);
+        assert!(!parts("a", 3, fit(1e-3), 1.0, None).is_warning);
         let covered = "a: 3 parts; the whole surface is covered, and no part protrudes more than 0.25 from the solid";
-        assert_eq!(texts(parts("a", 3, fit(0.0), 1.0, None, None)).0, covered);
-        assert!(texts(parts("a", 3, None, 1.0, None, None)).0.contains("not measured"));
-        assert!(parts("a", 3, fit(f64::NAN), 1.0, None, None).is_warning);
-        let (_, warning) = texts(parts("a", 3, fit(0.02), 1.0, None, None));
+        assert_eq!(texts(parts("a", 3, fit(0.0), 1.0, None)).0, covered);
+        assert!(texts(parts("a", 3, None, 1.0, None)).0.contains("not measured"));
+        assert!(parts("a", 3, fit(f64::NAN), 1.0, None).is_warning);
+        let (_, warning) = texts(parts("a", 3, fit(0.02), 1.0, None));
         assert!(warning.contains("a: 3 parts;") && warning.contains("--decompose"), "{warning}");
     }
 
@@ -597,7 +575,7 @@ mod tests {
         let apart = Looseness { overlap: 0.03, ..loose };
         assert_eq!(estimates(&apart, None, None), "the parts protrude by 0.0049 on average and overlap by 3%");
         assert!(estimates(&apart, Some(0.01), None).ends_with("overlap by 3%, and leave 1% of the solid empty"));
-        let note = parts("a", 2, None, 1.0, None, Some(&words));
+        let note = parts("a", 2, None, 1.0, Some(&words));
         assert!(!note.is_warning);
     }
 
@@ -606,8 +584,8 @@ mod tests {
         let names: Vec<String> = (0..12).map(|index| format!("p{index}")).collect();
         let flat = names.iter().map(|name| Remark::warning("flat", name, format!("hull {name} is flat")));
         let fit = |uncovered| Some(PartsFit { solid: SolidKind::Walls, uncovered, protrusion: 0.25 });
-        let cover = [("a", 0.0), ("b", 1e-3), ("c", 1e-4), ("d", 0.5)]
-            .map(|(name, gap)| parts(name, 2, fit(gap), 1.0, None, None));
+        let cover =
+            [("a", 0.0), ("b", 1e-3), ("c", 1e-4), ("d", 0.5)].map(|(name, gap)| parts(name, 2, fit(gap), 1.0, None));
         let (notes, warnings) = summarise(flat.chain(cover));
         assert_eq!(
             notes,

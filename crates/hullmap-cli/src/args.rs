@@ -242,8 +242,11 @@ pub struct DecomposeArgs {
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// File of the parts; its extension names the format: obj or glb
-    #[arg(value_name = "OUT")]
-    pub output: PathBuf,
+    #[arg(value_name = "OUT", required_unless_present = "curve", conflicts_with = "curve")]
+    pub output: Option<PathBuf>,
+    /// Write no file, and print how many parts errors around the maximum error give
+    #[arg(long, help_heading = RUNNING, conflicts_with_all = ["max_parts", "decompose_seconds", "force"])]
+    pub curve: bool,
     #[command(flatten)]
     pub options: PartsLayer,
     #[command(flatten)]

@@ -71,9 +71,6 @@ typedef struct {
     uint32_t max_parts;
     // Maximum number of vertices of a part, at least 4. Default: 64.
     uint32_t max_vertices;
-    // Maximum overlap of merged parts: the sum of their volumes minus the volume of their union,
-    // as a share of the latter. Default: 0.05.
-    double overlap;
     // The solid of an open mesh. 1: its inside, after its holes are closed. 2: its walls, so that
     // openings stay open. Default: its walls if half of its area has faces on both sides, or if a
     // hole has more than an eighth of its area; otherwise its inside.
@@ -84,15 +81,6 @@ typedef struct {
     // Time for the decomposition and its bounds, in seconds. Parts may then protrude further, and
     // depend on the machine. Default: no limit.
     double seconds;
-    // 1: ignore the symmetry of a mesh. Default: the parts of a symmetric mesh are symmetric,
-    // unless that takes more parts.
-    uint32_t ignore_symmetry;
-    // Radius of a ball: protrusion counts only where such a ball can get from outside, a length.
-    // Default: everywhere.
-    double reachable;
-    // 1: every point of a closed mesh's solid is in a part, as far as max_parts allows.
-    // Default: 0.
-    uint32_t fill;
 } HullmapDecomposeOptions;
 
 // Facts about a decomposition.
@@ -113,9 +101,6 @@ typedef struct {
     double mean_protrusion;
     // Share of the solid's volume that is in no part. An estimate; NaN if the mesh is not closed.
     double voids;
-    // 1 if every point of the solid is proven to be in a part. Only with the option fill is this
-    // examined.
-    uint32_t is_filled;
     // Volume of the solid that the mesh bounds; NaN if the mesh is not closed. The parts weigh
     // more, because they protrude and overlap.
     double volume;
@@ -199,4 +184,4 @@ void hullmap_decomposition_free(HullmapDecomposition *decomposition);
 
 // Options with all defaults.
 #define HULLMAP_DECOMPOSE_OPTIONS_DEFAULT \
-    {sizeof(HullmapDecomposeOptions), 0.0, 0.0, 0, 0, 0.0, 0, 0.0, 0.0, 0, 0.0, 0}
+    {sizeof(HullmapDecomposeOptions), 0.0, 0.0, 0, 0, 0, 0.0, 0.0}

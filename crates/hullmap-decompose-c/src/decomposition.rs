@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use hullmap_bake::deadline::{Deadline, is_over};
 use hullmap_bake::decompose::{Cover, Length, decompose_in};
-use hullmap_bake::fit::{Solid, SolidKind, SolidRule, fits_around, looseness, mesh_mass, remainder, voids};
+use hullmap_bake::fit::{SolidRule, fits_around, looseness, mesh_mass, voids};
 use hullmap_bake::hull::{self, Hull};
 use hullmap_bake::mass::{Mass, mass};
 use hullmap_bake::progress::{Progress, Stage};
@@ -104,11 +104,8 @@ fn measured(mesh: &PointSet, cover: &Cover, hulls: &[Hull], deadline: Option<Dea
     let is_early = !is_over(deadline);
     let whole = solid.as_ref().filter(|_| is_early).and_then(|solid| Some((solid, hull::build(mesh).ok()?)));
     let loose = whole.map(|(solid, whole)| looseness(solid, &whole, &all));
-    // Space that is not reachable does not belong to the mesh's own solid.
-    let own = solid.map(|solid| if cover.reachable.is_some() { Solid::by(mesh, cover.solid) } else { solid });
     let mass = mesh_mass(mesh);
-    let empty = own.as_ref().zip(mass).filter(|_| is_early);
-    let is_filled = |own: &Solid| cover.fill && own.kind() == SolidKind::Watertight && remainder(own, &all).is_empty();
+    let empty = solid.as_ref().zip(mass).filter(|_| is_early);
     let facts = Facts {
         struct_size: size_of::<Facts>(),
         part_count: parts.len(),
@@ -117,7 +114,6 @@ fn measured(mesh: &PointSet, cover: &Cover, hulls: &[Hull], deadline: Option<Dea
         overlap: loose.map_or(f64::NAN, |loose| loose.overlap),
         mean_protrusion: loose.map_or(f64::NAN, |loose| loose.mean_protrusion),
         voids: empty.map_or(f64::NAN, |(own, mass)| voids(own, &all, deadline).relative_to(mass.volume).share),
-        is_filled: own.as_ref().filter(|_| is_early).is_some_and(is_filled).into(),
         volume: mass.map_or(f64::NAN, |mass| mass.volume),
         center: mass.map_or([f64::NAN; 3], |mass| moved(mass.centroid, mesh.origin)),
         inertia: mass.map_or([f64::NAN; 9], |mass| inertia(&mass)),
@@ -142,9 +138,7 @@ fn cover(options: &Options) -> Result<Cover, Failure> {
     for (name, value) in [
         ("max_error", options.max_error),
         ("max_error_share", options.max_error_share),
-        ("overlap", options.overlap),
         ("wall_share", options.wall_share),
-        ("reachable", options.reachable),
         ("seconds", options.seconds),
     ] {
         // No range contains NaN.
@@ -171,15 +165,11 @@ fn cover(options: &Options) -> Result<Cover, Failure> {
         },
         max_parts: (options.max_parts > 0).then_some(options.max_parts),
         max_vertices,
-        overlap: if options.overlap == 0.0 { usual.overlap } else { options.overlap },
         solid,
         wall: match options.wall_share {
             0.0 => usual.wall,
             share => Length::Relative(share),
         },
-        symmetry: options.ignore_symmetry == 0,
-        reachable: (options.reachable > 0.0).then_some(Length::Absolute(options.reachable)),
-        fill: options.fill != 0,
         seconds: (options.seconds > 0.0).then_some(options.seconds),
     })
 }

@@ -37,9 +37,6 @@ pub struct Options {
     pub max_parts: u32,
     /// Maximum number of vertices of a part, at least 4. Default: 64.
     pub max_vertices: u32,
-    /// Maximum overlap of merged parts: the sum of their volumes minus the volume of their union,
-    /// as a share of the latter. Default: 0.05.
-    pub overlap: f64,
     /// The solid of an open mesh. 1: its inside, after its holes are closed. 2: its walls, so that
     /// openings stay open. Default: its walls if half of its area has faces on both sides, or if a
     /// hole has more than an eighth of its area; otherwise its inside.
@@ -50,15 +47,6 @@ pub struct Options {
     /// Time for the decomposition and its bounds, in seconds. Parts may then protrude further, and
     /// depend on the machine. Default: no limit.
     pub seconds: f64,
-    /// 1: ignore the symmetry of a mesh. Default: the parts of a symmetric mesh are symmetric,
-    /// unless that takes more parts.
-    pub ignore_symmetry: u32,
-    /// Radius of a ball: protrusion counts only where such a ball can get from outside, a length.
-    /// Default: everywhere.
-    pub reachable: f64,
-    /// 1: every point of a closed mesh's solid is in a part, as far as max_parts allows.
-    /// Default: 0.
-    pub fill: u32,
 }
 
 /// A convex part. The arrays belong to the decomposition.
@@ -101,9 +89,6 @@ pub struct Facts {
     pub mean_protrusion: f64,
     /// Share of the solid's volume that is in no part. An estimate; NaN if the mesh is not closed.
     pub voids: f64,
-    /// 1 if every point of the solid is proven to be in a part. Only with the option fill is this
-    /// examined.
-    pub is_filled: u32,
     /// Volume of the solid that the mesh bounds; NaN if the mesh is not closed. The parts weigh
     /// more, because they protrude and overlap.
     pub volume: f64,

@@ -103,7 +103,9 @@ pub fn cut(polygon: &[DVec3], plane: &HalfSpace, tolerance: f64) -> [Vec<DVec3>;
         }
         let (low, high) = (height.min(heights[next]), height.max(heights[next]));
         if low < -tolerance && high > tolerance {
-            let crossing = p + (polygon[next] - p) * (height / (height - heights[next]));
+            // From below, so that polygons on both sides of an edge are cut at one point.
+            let (a, b) = if height < 0.0 { (index, next) } else { (next, index) };
+            let crossing = polygon[a] + (polygon[b] - polygon[a]) * (heights[a] / (heights[a] - heights[b]));
             sides[0].push(crossing);
             sides[1].push(crossing);
         }

@@ -104,8 +104,6 @@ pub struct PartsEstimates {
     pub voids: Option<f64>,
     /// Error of `voids`.
     pub voids_error: Option<f64>,
-    /// Whether every point of the solid is in a part, proven; `None` if that was not requested.
-    pub filled: Option<bool>,
     /// Equation of the plane about which the parts are symmetric.
     pub symmetry: Option<String>,
 }

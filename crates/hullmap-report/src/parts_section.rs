@@ -81,7 +81,7 @@ const MAX_OBJECTS: usize = 20;
 
 /// The measures of one object, or a dash for each that is not known.
 fn facts(parts: &[Part]) -> String {
-    let PartsEstimates { overlap, overlap_error, mean_protrusion, outside_hull, voids, voids_error, filled, symmetry } =
+    let PartsEstimates { overlap, overlap_error, mean_protrusion, outside_hull, voids, voids_error, symmetry } =
         parts[0].2.estimates.clone().unwrap_or_default();
     let percent = |share: f64| format!("{} %", short(100.0 * share));
     let bound = |pick: fn(&HullRow) -> Option<f64>| parts.iter().filter_map(|part| pick(part.1)).reduce(f64::max);
@@ -90,7 +90,7 @@ fn facts(parts: &[Part]) -> String {
         (Some(share), Some(error)) => format!("{} ± {}", percent(share), percent(error)),
         _ => "–".to_owned(),
     };
-    let empty = if filled == Some(true) { "none, proven".to_owned() } else { within(voids, voids_error) };
+    let empty = within(voids, voids_error);
     let rows = [
         ("Parts", count(parts.len() as u64)),
         ("Overlap, of their union", within(overlap, overlap_error)),

@@ -323,11 +323,6 @@ fn verify_object(hulls: &[Hull], mesh: &PointSet, cover: Option<&Cover>, results
     if let (Some(first), Some(result)) = (hulls.first(), results.first_mut()) {
         let voids = found.as_ref().and_then(|found| found.estimates.voids_share());
         result.problems.extend(mass::voids_problem(first, &mesh.name, voids));
-        let must_fill = cover.is_some_and(|cover| cover.max_parts.is_none() && cover.seconds.is_none());
-        if must_fill && found.as_ref().is_some_and(|found| found.estimates.filled == Some(false)) {
-            let name = &mesh.name;
-            result.problems.push(format!("the pack records that its parts fill {name}, but they leave voids"));
-        }
     }
     verify_fit(hulls, mesh, cover, results);
     add(found, results);

@@ -39,7 +39,7 @@ pub fn findings(
     let built = built.as_ref().map(|built| built.iter().collect::<Vec<_>>());
     let mesh = mesh.filter(|mesh| !mesh.triangles.is_empty());
     let (estimates, means) = match (&built, mesh) {
-        (Some(built), Some(mesh)) => PartsEstimates::new(mesh, cover, &solid_of(mesh, cover), built, volume, None),
+        (Some(built), Some(mesh)) => PartsEstimates::new(mesh, &solid_of(mesh, cover), built, volume, None),
         (Some(built), None) => (PartsEstimates::without_mesh(built), vec![None; hulls.len()]),
         (None, _) => (PartsEstimates::default(), vec![None; hulls.len()]),
     };

@@ -35,16 +35,13 @@ export interface BakeOptions {
     maxError?: number | `${number}%` | "none";
     /** Maximum number of parts; the search then looks for the smallest error. */
     maxParts?: number | "none";
-    /** Maximum overlap of merged parts, as a share of the volume of their union. Default 0.05. */
-    overlap?: number | "none";
-    /** Thickness of parts of a sheet: a length, or a share of the diagonal. Default "0.5%". */
-    minThickness?: number | `${number}%` | "none";
-    /** Make the parts of a symmetric mesh symmetric, unless that takes more parts. Default "auto". */
-    symmetry?: "auto" | "none";
-    /** Count protrusion only where a ball of this radius can get from outside. */
-    reachable?: number | `${number}%` | "none";
-    /** Leave no voids: every point of a closed mesh's solid is in a part. Default false. */
-    fill?: boolean;
+    /**
+     * The solid of an open mesh: its inside, after its holes are closed; or its walls only, so that openings stay
+     * open. "auto" is "walls" if half of the area has faces on both sides, or if a hole has more than an eighth of it.
+     */
+    solid?: "auto" | "closed" | "walls";
+    /** Thickness of the parts of walls: a length, or a share of the diagonal. Default "0.5%". */
+    wall?: number | `${number}%` | "none";
     /** Record a box, sphere, capsule or cylinder for each part that it can replace. Default false. */
     primitives?: boolean;
     /** Simplify hulls and parts to the limits of an engine. Default "none". */

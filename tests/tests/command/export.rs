@@ -184,7 +184,9 @@ fn robots_weigh_as_much_as_their_mesh() {
     let xx = 3.0 / 12.0 + 3.0 * 0.36 + 2.0 * 4.0 / 12.0 + 2.0 * 0.81;
     let xy = 3.0 * 0.4 * -0.6 + 2.0 * -0.6 * 0.9;
     let (across, up) = (xx + 5.0 / 12.0, 2.0 * xx);
-    for options in ["", "--decompose --max-parts 1", "--decompose --max-error 1%", "--max-vertices 6 --decompose"] {
+    for options in
+        ["", "--decompose --max-parts 1", "--decompose --max-error 1%", "--max-vertices 6 --decompose --max-parts 2"]
+    {
         bake(&folder, &format!("build ell.obj {options} --out . --quiet")).expect(0);
         let pack = open(&folder, "ell.hullmap");
         let hulls: f64 = pack.hulls().map(|hull| hull.volume()).sum();

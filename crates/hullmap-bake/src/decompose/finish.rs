@@ -5,13 +5,14 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{
-    levels::{Found, Levels},
     part::{BUILDS, SourceVertices},
     partition::{
-        Part,
+        Halves, Part,
         body::Body,
         few,
+        field::Field,
         shape::{large_faces, tightened},
+        surface::Surface,
         symmetric,
         wrap::{self, HullLimits},
     },
@@ -37,43 +38,14 @@ struct Unit {
     image: Option<Hull>,
 }
 
-struct Finish<'a, 'b> {
-    vertices: &'a SourceVertices<'a>,
-    levels: &'a Levels<'b>,
-    bounds: HullLimits<'b>,
-    thin: HullLimits<'b>,
-    sides: Vec<HalfSpace>,
-}
-
-/// The hulls of parts, and of what they do not cover; at most `max_parts`. They cover the mesh, as
-/// far as [`UNCOVERED_ROUNDS`] can prove it; `fit/fits.rs` measures what is left. The hulls of a
-/// symmetric mesh are symmetric as far as that can be proven.
-pub fn finished(
-    mesh: &PointSet,
-    vertices: &SourceVertices,
-    levels: &Levels,
-    found: Found,
-    max_parts: Option<u32>,
-) -> Vec<Hull> {
-    let Found { parts, mirrored, limit, .. } = found;
-    let diagonal = levels.field.solid().diagonal();
-    let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
-    let points: Vec<DVec3> = (0..mesh.positions.len() as u32).map(corner).collect();
-    let sides: Vec<HalfSpace> = large_faces(&Body::new(&points, 0.0)).collect();
-    let (bounds, thin) = (levels.final_bounds(limit), levels.bounds_of_thin_parts(limit));
-    let finish = Finish { vertices, levels, bounds, thin, sides };
-    let mut units: Vec<Unit> = parts.par_iter().map(|part| finish.whole(part)).collect();
-    units.par_extend(mirrored.par_iter().map(|part| finish.mirrored(part)));
-    for _ in 0..UNCOVERED_ROUNDS {
-        let hulls: Vec<&Hull> = units.iter().flat_map(Unit::hulls).collect();
-        let missing = uncovered_triangles(mesh, &hulls, COVERED * diagonal, bounds.deadline);
-        if missing.is_empty() {
-            break;
-        }
-        let missing: Vec<Triangle> = missing.into_iter().map(|t| mesh.triangles[t].map(corner)).collect();
-        finish.add_rest(&mut units, &missing, max_parts.map_or(usize::MAX, |most| most as usize));
-    }
-    units.into_iter().flat_map(|unit| [Some(unit.hull), unit.image]).flatten().collect()
+/// Makes final hulls.
+pub struct Finish<'a> {
+    pub mesh: &'a PointSet,
+    pub vertices: &'a SourceVertices<'a>,
+    pub field: &'a Field<'a>,
+    pub surface: &'a Surface,
+    pub bounds: HullLimits<'a>,
+    pub max_parts: Option<u32>,
 }
 
 impl Unit {
@@ -82,31 +54,53 @@ impl Unit {
     }
 }
 
-impl Finish<'_, '_> {
-    fn mirror(&self) -> Option<&Mirror> {
-        self.levels.surface.mirror.as_ref()
+impl Finish<'_> {
+    /// The hulls of parts, and of what they do not cover; at most as many as are allowed. They
+    /// cover the mesh, as far as [`UNCOVERED_ROUNDS`] can prove it; `fit/fits.rs` measures what is
+    /// left. The hulls of a symmetric mesh are symmetric as far as that can be proven.
+    pub fn hulls(&self, Halves { whole, mirrored }: Halves) -> Vec<Hull> {
+        let Self { mesh, bounds, max_parts, .. } = *self;
+        let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
+        let points: Vec<DVec3> = (0..mesh.positions.len() as u32).map(corner).collect();
+        let sides: Vec<HalfSpace> = large_faces(&Body::new(&points, 0.0)).collect();
+        let mut units: Vec<Unit> = whole.par_iter().map(|part| self.whole(part, &sides)).collect();
+        units.par_extend(mirrored.par_iter().map(|part| self.mirrored(part, &sides)));
+        for _ in 0..UNCOVERED_ROUNDS {
+            let hulls: Vec<&Hull> = units.iter().flat_map(Unit::hulls).collect();
+            let missing = uncovered_triangles(mesh, &hulls, COVERED * bounds.diagonal, bounds.deadline);
+            if missing.is_empty() {
+                break;
+            }
+            let missing: Vec<Triangle> = missing.into_iter().map(|t| mesh.triangles[t].map(corner)).collect();
+            self.add_rest(&mut units, &missing, max_parts.map_or(usize::MAX, |most| most as usize));
+        }
+        units.into_iter().flat_map(|unit| [Some(unit.hull), unit.image]).flatten().collect()
     }
 
-    fn tight(&self, part: &Part, share: f64) -> Hull {
+    fn mirror(&self) -> Option<&Mirror> {
+        self.surface.mirror.as_ref()
+    }
+
+    fn tight(&self, part: &Part, sides: &[HalfSpace], share: f64) -> Hull {
         let max_vertices = ((share * self.bounds.max_vertices as f64) as usize).max(crate::simplify::MIN_VERTICES);
         let bounds = HullLimits { max_vertices, ..self.bounds };
-        let tight = tightened(&self.levels.field, part, &self.sides, &bounds);
-        wrap::thick(&self.levels.field, tight, &self.thin)
+        let tight = tightened(self.field, part, sides, &bounds);
+        wrap::thick(self.field, tight, &self.bounds)
     }
 
     /// The hull of a part without an image. It is its own image if there is a mirror.
-    fn whole(&self, part: &Part) -> Unit {
-        let tight = self.tight(part, 1.0);
+    fn whole(&self, part: &Part, sides: &[HalfSpace]) -> Unit {
+        let tight = self.tight(part, sides, 1.0);
         let symmetric = self.mirror().and_then(|mirror| {
-            let of = |hull: &Hull| symmetric::symmetric(&self.levels.field, hull, mirror, &self.thin);
+            let of = |hull: &Hull| symmetric::symmetric(self.field, hull, mirror, &self.bounds);
             let first = of(&tight);
-            first.or_else(|| SYMMETRIC_VERTICES[1..].iter().find_map(|share| of(&self.tight(part, *share))))
+            first.or_else(|| SYMMETRIC_VERTICES[1..].iter().find_map(|share| of(&self.tight(part, sides, *share))))
         });
         Unit { hull: self.vertices.built(symmetric.unwrap_or(tight)), image: None }
     }
 
-    fn mirrored(&self, part: &Part) -> Unit {
-        let hull = self.tight(part, 1.0);
+    fn mirrored(&self, part: &Part, sides: &[HalfSpace]) -> Unit {
+        let hull = self.tight(part, sides, 1.0);
         let Some(mirror) = self.mirror() else { return Unit { hull: self.vertices.built(hull), image: None } };
         let grown = symmetric::grown(&hull, mirror, self.bounds.diagonal);
         self.with_image(grown.unwrap_or(hull), mirror)
@@ -130,7 +124,7 @@ impl Finish<'_, '_> {
     /// is `room`.
     fn of_triangle(&self, corners: &Triangle, room: usize) -> Vec<Unit> {
         let HullLimits { diagonal, max_vertices, .. } = self.bounds;
-        let own = wrap::of_polygon(corners, diagonal, self.thin.thickness, max_vertices);
+        let own = wrap::of_polygon(corners, diagonal, self.bounds.thickness, max_vertices);
         let unit = |(_, hull)| match self.mirror() {
             Some(mirror) if room > 1 => self.with_image(hull, mirror),
             _ => Unit { hull: self.vertices.built(hull), image: None },
@@ -189,9 +183,9 @@ impl Finish<'_, '_> {
         }
         let grown = few::within_vertices(wrap::tight(&points, diagonal, thickness)?, max_vertices);
         let grown = own_image
-            .and_then(|mirror| symmetric::symmetric(&self.levels.field, &grown, mirror, &self.bounds))
+            .and_then(|mirror| symmetric::symmetric(self.field, &grown, mirror, &self.bounds))
             .unwrap_or(grown);
-        let is_proven = |hull: &Hull| wrap::prove(&self.levels.field, hull, &self.bounds, wrap::MEASUREMENTS).is_ok();
+        let is_proven = |hull: &Hull| wrap::prove(self.field, hull, &self.bounds, wrap::MEASUREMENTS).is_ok();
         if !must && !is_proven(&grown) {
             return None;
         }

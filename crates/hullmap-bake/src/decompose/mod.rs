@@ -21,10 +21,10 @@
 //! # Ok::<(), hullmap_bake::BakeError>(())
 //! ```
 
+mod alone;
 mod convex;
-mod fill;
+mod curve;
 mod finish;
-mod levels;
 mod parameters;
 mod part;
 pub mod partition;
@@ -32,18 +32,19 @@ mod patch;
 mod rest;
 mod search;
 
+pub use alone::vertices_of_one_part;
 use convex::is_convex;
-use fill::Filling;
+pub use curve::{CurvePoint, curve};
 pub use parameters::{Cover, Length};
 use part::SourceVertices;
-use partition::{HARD_SHARE, few, field::Field, wrap::HullLimits};
-use search::SymmetrySearch;
+use partition::{few, field::Field};
+use search::Search;
 
 use crate::{
     deadline::{Deadline, Reserve},
     error::BakeError,
-    fit::{Solid, SolidKind, SolidRule},
-    hull::{self, Hull},
+    fit::{Solid, SolidRule},
+    hull,
     progress::Stage,
     simplify,
 };
@@ -87,48 +88,17 @@ fn decompose_by(
     }
     let vertices = SourceVertices::new(mesh);
     let max_vertices = (parameters.max_vertices as usize).max(simplify::MIN_VERTICES);
-    let solid = parameters.solid_of(mesh);
+    let solid = Solid::by(mesh, parameters.solid);
     let found = if parameters.max_parts == Some(1) {
         None
     } else {
-        SymmetrySearch { mesh, solid: &solid, vertices: &vertices, parameters, max_vertices, deadline }.best(stage)
+        let field = Field::new(&solid);
+        Search { mesh, vertices: &vertices, field, parameters, max_vertices, deadline, stage }.hulls()
     };
     let hulls = found.unwrap_or_else(|| vec![few::within_vertices(hull, max_vertices)]);
-    let hulls = if parameters.fill { filled(mesh, &solid, &vertices, parameters, deadline, hulls) } else { hulls };
     stage.reach(1.0);
     let named = |(index, hull)| PointSet { name: format!("{}_part_{index:02}", mesh.name), ..vertices.part(hull) };
     Ok(Some(hulls.iter().enumerate().map(named).collect()))
-}
-
-/// The hulls, grown and completed until they fill the mesh's own solid; unchanged if it is not
-/// watertight. Protrusion is measured from `solid`, which may be larger.
-fn filled(
-    mesh: &PointSet,
-    solid: &Solid,
-    vertices: &SourceVertices,
-    parameters: &Cover,
-    deadline: Option<Deadline>,
-    hulls: Vec<Hull>,
-) -> Vec<Hull> {
-    let own = parameters.reachable.map(|_| Solid::by(mesh, parameters.solid));
-    let own = own.as_ref().unwrap_or(solid);
-    if own.kind() != SolidKind::Watertight {
-        return hulls;
-    }
-    let diagonal = own.diagonal();
-    let limit = parameters.max_error.resolve(diagonal);
-    let bounds = HullLimits {
-        limit,
-        max_vertices: (parameters.max_vertices as usize).max(simplify::MIN_VERTICES),
-        diagonal,
-        thickness: parameters.wall.resolve(diagonal).min(0.5 * limit),
-        deadline,
-        stage: Stage::default(),
-    };
-    let mut field = Field::new(solid);
-    field.find_peaks(limit * HARD_SHARE, deadline);
-    let max_parts = parameters.max_parts.map(|most| most as usize);
-    Filling { field: &field, solid: own, vertices, bounds, overlap: parameters.overlap, max_parts }.filled(hulls)
 }
 
 #[cfg(test)]

@@ -2,11 +2,15 @@
 
 use std::fmt;
 
-use crate::fit::{Solid, SolidRule, reach::with_unreachable};
+use crate::fit::{Solid, SolidRule};
 use hullmap_geometry::{
     PointSet,
     number::{percent, short},
 };
+
+/// Overlap of the parts up to which they are merged: the sum of their volumes less the volume of
+/// their union, relative to the latter.
+pub const OVERLAP: f64 = 0.05;
 
 /// A length, absolute or relative to the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,28 +44,18 @@ impl fmt::Display for Length {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cover {
     /// Maximum protrusion of a part from the mesh's solid, above 0. With `max_parts`, the search
-    /// for the smallest sufficient limit starts here, or at 1 % of the diagonal if that is more.
+    /// for the smallest sufficient limit starts here.
     pub max_error: Length,
     /// Maximum number of parts, at least 1. It has precedence over `max_error`.
     pub max_parts: Option<u32>,
     /// Maximum number of vertices of a part, at least
     /// [`MIN_VERTICES`](crate::simplify::MIN_VERTICES).
     pub max_vertices: u32,
-    /// Overlap of the parts up to which they are merged: the sum of their volumes less the volume
-    /// of their union, relative to the latter.
-    pub overlap: f64,
     /// The rule for the solid of an open mesh.
     pub solid: SolidRule,
     /// Thickness of the parts of walls, and least thickness of any part, above 0. It is at most
     /// half of the maximum error.
     pub wall: Length,
-    /// Whether a mesh that has a mirror plane gets symmetric parts.
-    pub symmetry: bool,
-    /// Radius of a ball: protrusion counts only where it can get from outside. `None`: everywhere.
-    pub reachable: Option<Length>,
-    /// Whether every point of a closed mesh's solid must be in a part. Parts are added for that, up
-    /// to `max_parts`. They may overlap others by more than `overlap`.
-    pub fill: bool,
     /// Time to search, finish and measure the parts of a mesh, in seconds. A fifth of it, but at
     /// most four seconds, is left for measuring. The result then depends on the machine, and may
     /// exceed `max_error`; in the worst case it is up to eight hulls of halves of the surface.
@@ -74,28 +68,19 @@ impl Default for Cover {
             max_error: Length::Relative(0.02),
             max_parts: None,
             max_vertices: 64,
-            overlap: 0.05,
             solid: SolidRule::Auto,
             wall: Length::Relative(0.005),
-            symmetry: true,
-            reachable: None,
-            fill: false,
             seconds: None,
         }
     }
 }
 
 impl Cover {
-    /// The solid from which protrusion is measured: the solid of the mesh, plus the space that a
-    /// ball of the radius [`reachable`](Self::reachable) cannot reach.
+    /// The solid from which protrusion is measured.
     ///
     /// # Complexity
-    /// The cost of [`Solid::by`]; with a radius, plus the cost of [`with_unreachable`].
+    /// The cost of [`Solid::by`].
     pub fn solid_of(&self, mesh: &PointSet) -> Solid {
-        let solid = Solid::by(mesh, self.solid);
-        match self.reachable.map(|radius| radius.resolve(solid.diagonal())) {
-            Some(radius) => with_unreachable(mesh, solid, radius),
-            None => solid,
-        }
+        Solid::by(mesh, self.solid)
     }
 }

@@ -1,8 +1,13 @@
 //! Patches: pieces of the mesh's surface.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 
-use hullmap_geometry::planes::{self, HalfSpace};
+use hullmap_geometry::{
+    planes::{self, HalfSpace},
+    triangle,
+};
 
 #[derive(Clone, Debug)]
 pub struct Patch {
@@ -25,4 +30,55 @@ impl Patch {
         }
         [Self::new(behind), Self::new(in_front)]
     }
+}
+
+/// The triangles whose middles lie in one cube of this size, and which share corners, as patches.
+///
+/// # Complexity
+/// O(n log n) for n triangles.
+pub fn patches(triangles: &[[DVec3; 3]], size: f64) -> Vec<Patch> {
+    let mut cubes: BTreeMap<[i64; 3], Vec<Vec<DVec3>>> = BTreeMap::new();
+    for corners in triangles {
+        let cube = (triangle::centroid(corners) / size).to_array().map(|x| x.floor() as i64);
+        cubes.entry(cube).or_default().push(corners.to_vec());
+    }
+    cubes.into_values().flat_map(connected).filter_map(Patch::new).collect()
+}
+
+/// Groups of polygons that share corners.
+fn connected(polygons: Vec<Vec<DVec3>>) -> Vec<Vec<Vec<DVec3>>> {
+    let mut first: BTreeMap<[u64; 3], u32> = BTreeMap::new();
+    let mut root: Vec<u32> = (0..polygons.len() as u32).collect();
+    for (index, polygon) in (0..).zip(&polygons) {
+        for p in polygon {
+            let other = *first.entry(bits(*p)).or_insert(index);
+            join(&mut root, index, other);
+        }
+    }
+    let mut found: BTreeMap<u32, Vec<Vec<DVec3>>> = BTreeMap::new();
+    for (index, polygon) in (0..).zip(polygons) {
+        found.entry(find(&mut root, index)).or_default().push(polygon);
+    }
+    found.into_values().collect()
+}
+
+/// A point as a key. −0 and 0 are equal.
+pub fn bits(p: DVec3) -> [u64; 3] {
+    (p + DVec3::ZERO).to_array().map(f64::to_bits)
+}
+
+/// The first item of a group.
+pub fn find(root: &mut [u32], mut i: u32) -> u32 {
+    while root[i as usize] != i {
+        let above = root[root[i as usize] as usize];
+        root[i as usize] = above;
+        i = above;
+    }
+    i
+}
+
+/// Unites the groups of two items.
+pub fn join(root: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (find(root, a), find(root, b));
+    root[a.max(b) as usize] = a.min(b);
 }

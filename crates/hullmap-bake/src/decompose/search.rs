@@ -1,130 +1,271 @@
-//! Which parts a mesh gets: symmetric ones if it has a mirror plane, unless others are fewer.
+//! The search for parts: within an error, or at most a number of them with the least error.
 //!
 //! # Steps
-//! 1. Search the parts of the surface on one side of the mirror plane, and add their images. Merge
-//!    parts at the plane with their images where the limit allows. All are symmetric, except merged
-//!    parts without a proven symmetric hull.
-//! 2. If a part and its image meet at the plane unmerged, or mergers left far fewer parts, cuts
-//!    elsewhere may need fewer parts. Then also search the whole surface, unless there is a
-//!    deadline. Its parts win if they are fewer. With a maximum number of parts, they win if they
-//!    protrude by less than nine tenths, or if they are more and protrude less; so only lower
-//!    limits are searched.
+//! 1. If the mesh has a mirror plane, search the parts of the surface on one side, and add their
+//!    images. Merge parts at the plane with their images where the limit allows.
+//! 2. Where a part and its image meet at the plane unmerged, cuts elsewhere may need fewer parts.
+//!    Then also search the whole surface, unless there is a deadline. Its parts win if they are
+//!    fewer.
+//! 3. For a number of parts, start with the parts within the error. Raise the limit until there are
+//!    few enough, or lower it as long as there are; then halve the interval. Divide parts further
+//!    if more are allowed. So the result is never worse than parts of that number within the error.
 
 use super::{
-    finish::{COVERED, finished},
-    levels::{Found, Levels},
+    finish::{COVERED, Finish},
     parameters::Cover,
     part::SourceVertices,
-    partition::{Part, surface::Surface},
+    partition::{self, Halves, Part, PartitionLimits, field::Field, surface::Surface, wrap::HullLimits},
 };
 use crate::{
-    deadline::Deadline,
-    fit::{solid::Solid, uncovered_triangles},
+    deadline::{Deadline, Reserve},
+    fit::uncovered_triangles,
     hull::Hull,
+    mass,
     progress::Stage,
-    symmetry::{self, Mirror},
+    symmetry,
 };
 use hullmap_geometry::PointSet;
 
-/// Protrusion of other parts at which they replace symmetric ones, relative to the protrusion of
-/// the latter, with a maximum number of parts.
-const TIGHTER: f64 = 0.9;
+/// Smallest limit of a search, relative to the diagonal. Parts are moved outward by up to a tenth.
+const LEAST_ERROR: f64 = 2e-5;
 
-/// Share of the progress after which the parts of the half surface are found.
-const HALF: f64 = 0.4;
+/// Smallest limit relative to the greatest coordinate, for meshes far from the origin. Rounding to
+/// f32 moves a vertex by up to 2e-7 of the coordinate.
+const LEAST_ROUNDED: f64 = 1e-5;
 
-pub struct SymmetrySearch<'a> {
+/// Smallest limit that is searched for a number of parts, relative to the diagonal. Below it, more
+/// parts only follow the tessellation.
+const LEAST_FOR_COUNTS: f64 = 2e-3;
+
+/// Factor between limits for a number of parts; its square and so on upward. The factor between the
+/// last two is its fourth root.
+const STEP: f64 = 2.0;
+
+/// Maximum number of limits that are searched for a number of parts, beside the error.
+const MAX_SEARCHES: usize = 9;
+
+/// Limits for which parts are divided further where there may be more, relative to what they reach.
+const FURTHER: [f64; 3] = [0.5, 0.7, 0.85];
+
+/// Maximum number of parts made by halving, the result if the deadline has already passed.
+const HALVED: usize = 8;
+
+/// Time that a search leaves for final hulls.
+const FINISHING: Reserve = Reserve { share: 0.2, seconds: 4.0 };
+
+/// Parts within a limit.
+pub struct Found {
+    pub parts: Halves,
+    pub limit: f64,
+}
+
+impl Found {
+    pub fn count(&self) -> usize {
+        self.parts.whole.len() + 2 * self.parts.mirrored.len()
+    }
+
+    /// The greatest bound; infinite if something is not proven.
+    pub fn reached(&self) -> f64 {
+        self.all().map(|part| part.bound).fold(0.0, f64::max)
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Part> {
+        self.parts.whole.iter().chain(&self.parts.mirrored)
+    }
+
+    fn volume(&self) -> f64 {
+        let volume = |parts: &[Part]| parts.iter().map(|part| mass::mass(&part.hull).volume).sum::<f64>();
+        volume(&self.parts.whole) + 2.0 * volume(&self.parts.mirrored)
+    }
+}
+
+pub struct Search<'a> {
     pub mesh: &'a PointSet,
-    pub solid: &'a Solid,
     pub vertices: &'a SourceVertices<'a>,
+    pub field: Field<'a>,
     pub parameters: &'a Cover,
     pub max_vertices: usize,
     /// When the parts must be finished.
     pub deadline: Option<Deadline>,
+    pub stage: Stage<'a>,
 }
 
-struct Parts {
-    hulls: Vec<Hull>,
-    reached: f64,
-    /// Whether parts of the whole surface may be better.
-    others_may_win: bool,
-}
-
-#[derive(Clone, Copy)]
-enum UsefulParts {
-    All,
-    AtMost(usize),
-    Within(f64),
-}
-
-impl SymmetrySearch<'_> {
-    pub fn best(&self, stage: Stage) -> Option<Vec<Hull>> {
-        let mirror = self.parameters.symmetry.then(|| symmetry::mirror_of_mesh(self.mesh, self.solid)).flatten();
-        let Some(mirror) = mirror else {
-            return Some(self.parts(&self.surface(), UsefulParts::All, stage)?.hulls);
-        };
-        let symmetric = self.symmetric(mirror, stage.from_to(0.0, HALF));
-        let stage = stage.from_to(HALF, 1.0);
-        let uses_all = |parts: &Parts| self.parameters.max_parts.is_none_or(|most| parts.hulls.len() >= most as usize);
-        let is_settled = |parts: &Parts| !parts.others_may_win && uses_all(parts) || self.deadline.is_some();
-        if let Some(parts) = &symmetric
-            && is_settled(parts)
-        {
-            return symmetric.map(|parts| parts.hulls);
-        }
-        let useful = symmetric.as_ref().map_or(UsefulParts::All, |parts| match self.parameters.max_parts {
-            // Fewer are not better.
-            Some(_) if uses_all(parts) => UsefulParts::Within(TIGHTER * parts.reached),
-            Some(_) => UsefulParts::Within(parts.reached),
-            None => UsefulParts::AtMost(parts.hulls.len() - 1),
-        });
-        let other = self.parts(&self.surface(), useful, stage);
-        let is_better = |other: &Parts| match (&symmetric, self.parameters.max_parts) {
-            (None, _) => true,
-            (Some(symmetric), None) => other.hulls.len() < symmetric.hulls.len(),
-            (Some(symmetric), Some(_)) if other.hulls.len() > symmetric.hulls.len() => {
-                other.reached < symmetric.reached
+impl<'a> Search<'a> {
+    pub fn hulls(&mut self) -> Option<Vec<Hull>> {
+        let error = self.parameters.max_error.resolve(self.diagonal());
+        let half = symmetry::mirror_of_mesh(self.mesh, self.field.solid());
+        let half = half.map(|mirror| Surface::new(self.mesh).halved(mirror, self.diagonal()));
+        let whole = Surface::new(self.mesh);
+        let Some(count) = self.parameters.max_parts.map(|count| count as usize) else {
+            let symmetric = half.and_then(|half| {
+                let found = self.within(&half, error, usize::MAX, false)?;
+                let is_settled = self.deadline.is_some() || !self.meets_mirror(&half, &found);
+                let hulls = self.finished(&half, found);
+                self.covers(&hulls).then_some((hulls, is_settled))
+            });
+            if let Some((hulls, true)) = symmetric {
+                return Some(hulls);
             }
-            (Some(symmetric), Some(_)) => other.reached < TIGHTER * symmetric.reached,
+            let symmetric = symmetric.map(|(hulls, _)| hulls);
+            let found = self.within(&whole, error, usize::MAX, false);
+            let is_fewer = |found: &Found| symmetric.as_ref().is_none_or(|hulls| found.count() < hulls.len());
+            let other = found.filter(is_fewer).map(|found| self.finished(&whole, found));
+            return other.or(symmetric);
         };
-        other.filter(is_better).or(symmetric).map(|parts| parts.hulls)
-    }
-
-    fn surface(&self) -> Surface {
-        Surface::new(self.mesh)
-    }
-
-    /// Parts of half the surface, with their images, proven to cover the mesh.
-    fn symmetric(&self, mirror: Mirror, stage: Stage) -> Option<Parts> {
-        let half = self.surface().halved(mirror, self.solid.diagonal());
-        let found = self.parts(&half, UsefulParts::All, stage)?;
-        let hulls: Vec<&Hull> = found.hulls.iter().collect();
-        let uncovered = uncovered_triangles(self.mesh, &hulls, COVERED * self.solid.diagonal(), self.deadline);
-        uncovered.is_empty().then_some(found)
-    }
-
-    fn parts(&self, surface: &Surface, useful: UsefulParts, stage: Stage) -> Option<Parts> {
-        let cover = self.parameters;
-        let mut levels = Levels::new(surface, self.solid, cover, self.max_vertices, self.deadline, stage);
-        match useful {
-            UsefulParts::All => {}
-            UsefulParts::AtMost(count) => levels.enough = Some(count),
-            UsefulParts::Within(limit) => levels.within = Some(limit),
+        let symmetric = half.and_then(|half| {
+            let found = self.at_most(&half, count, error)?;
+            let reached = found.reached();
+            let hulls = self.finished(&half, found);
+            self.covers(&hulls).then_some((hulls, reached))
+        });
+        if self.deadline.is_some()
+            && let Some((hulls, _)) = symmetric
+        {
+            return Some(hulls);
         }
-        let found = levels.parts()?;
-        let on_plane = COVERED * self.solid.diagonal();
-        let is_at =
-            |part: &Part, mirror: &Mirror| part.piece.body.points.iter().any(|p| mirror.plane.height(*p) <= on_plane);
-        let meet = surface.mirror.as_ref().is_some_and(|mirror| found.mirrored.iter().any(|part| is_at(part, mirror)));
-        let are_merged = surface.mirror.is_some() && cover.max_parts.is_none() && found.is_merged();
-        let others_may_win = meet || are_merged;
-        let reached = found.reached();
-        let is_useful = |found: &Found| levels.enough.is_none_or(|enough| found.count() <= enough);
-        let found = Some(found).filter(is_useful)?;
-        Some(Parts {
-            hulls: finished(self.mesh, self.vertices, &levels, found, cover.max_parts),
-            reached,
-            others_may_win,
+        let other = self.at_most(&whole, count, error);
+        let is_tighter = |found: &Found| symmetric.as_ref().is_none_or(|(_, reached)| found.reached() < *reached);
+        let other = other.filter(is_tighter).map(|found| self.finished(&whole, found));
+        other.or(symmetric.map(|(hulls, _)| hulls))
+    }
+
+    fn diagonal(&self) -> f64 {
+        self.field.solid().diagonal()
+    }
+
+    /// The smallest limit that can be met.
+    fn least(&self) -> f64 {
+        let greatest = self.field.solid().bounds().map(|p| p.abs().max_element()).into_iter().fold(0.0, f64::max);
+        (LEAST_ERROR * self.diagonal()).max(LEAST_ROUNDED * greatest)
+    }
+
+    pub fn final_bounds(&self, limit: f64) -> HullLimits<'a> {
+        let (max_vertices, diagonal) = (self.max_vertices, self.diagonal());
+        let thickness = self.parameters.wall.resolve(diagonal).min(0.5 * limit);
+        HullLimits { limit, max_vertices, diagonal, thickness, deadline: self.deadline, stage: self.stage }
+    }
+
+    fn is_over(&self) -> bool {
+        let bounds = self.final_bounds(0.0);
+        HullLimits { deadline: self.searching(), ..bounds }.is_over()
+    }
+
+    fn searching(&self) -> Option<Deadline> {
+        self.deadline.map(|deadline| deadline.with_reserve(FINISHING))
+    }
+
+    /// Parts within a limit; `None` with more than `most` before mergers. With a deadline, they are
+    /// at least as small as halves of the surface.
+    fn within(&mut self, surface: &Surface, limit: f64, most: usize, bridges: bool) -> Option<Found> {
+        let limit = limit.max(self.least());
+        let halved = self.halved(surface);
+        if self.is_over() {
+            return halved;
+        }
+        let count = self.parameters.max_parts.map(|count| count as usize);
+        let limits = PartitionLimits {
+            bounds: HullLimits { deadline: self.searching(), ..self.final_bounds(limit) },
+            most,
+            wanted: count.unwrap_or(1),
+            bridges,
+        };
+        let parts = partition::search(surface, &mut self.field, &limits)?;
+        let found = Found { parts, limit };
+        let is_smaller = |halved: &Found| !(found.reached() <= limit) && halved.volume() < found.volume();
+        Some(halved.filter(is_smaller).unwrap_or(found))
+    }
+
+    /// The first parts of a search whose time is limited; `None` if it is not.
+    fn halved(&self, surface: &Surface) -> Option<Found> {
+        self.deadline?;
+        // Nothing protrudes by more.
+        let limit = self.diagonal();
+        let count = self.parameters.max_parts.map_or(HALVED, |count| HALVED.min(count as usize));
+        let is_half = surface.mirror.is_some();
+        let count = if is_half { count / 2 } else { count };
+        let parts = partition::halved(surface, &self.field, &self.final_bounds(limit), count);
+        let (whole, mirrored) = if is_half { (Vec::new(), parts) } else { (parts, Vec::new()) };
+        Some(Found { parts: Halves { whole, mirrored }, limit }).filter(|found| found.count() > 1)
+    }
+
+    /// At most `count` parts, with the least protrusion.
+    fn at_most(&mut self, surface: &Surface, count: usize, error: f64) -> Option<Found> {
+        let lowest = LEAST_FOR_COUNTS * self.diagonal();
+        // The lowest limit known to leave few enough parts, and the highest that leaves too many.
+        let (mut best, mut high, mut low): (Option<Found>, Option<f64>, Option<f64>) = (None, None, None);
+        let (mut limit, mut step) = (error, STEP);
+        for search in 0..=MAX_SEARCHES {
+            let found = match search {
+                // The parts of a plain run, if they are few enough.
+                0 => self.within(surface, limit, usize::MAX, false),
+                _ => self.within(surface, limit, 2 * count + 8, true),
+            };
+            match found.filter(|found| found.count() <= count) {
+                Some(found) => {
+                    high = Some(limit);
+                    let is_better = best.as_ref().is_none_or(|best| found.reached() < best.reached());
+                    best = if is_better { Some(found) } else { best };
+                }
+                None => low = Some(limit),
+            }
+            let [least, most] = [lowest, self.diagonal()];
+            limit = match (low, high) {
+                (Some(low), Some(high)) if high <= low * STEP.sqrt().sqrt() => break,
+                (Some(low), Some(high)) => (low * high).sqrt(),
+                (None, Some(high)) if high <= least => break,
+                (None, Some(high)) => (high / STEP).max(least),
+                (Some(low), None) if low >= most => break,
+                (Some(low), None) => {
+                    let next = low * step;
+                    step *= step;
+                    next.min(most)
+                }
+                (None, None) => break,
+            };
+            if self.is_over() {
+                break;
+            }
+        }
+        best.map(|found| self.refined(surface, found, count))
+    }
+
+    /// Divides some parts if more are allowed.
+    fn refined(&mut self, surface: &Surface, found: Found, count: usize) -> Found {
+        let (reached, mut found) = (found.reached(), found);
+        for limit in FURTHER.map(|share| share * reached) {
+            let is_useful = limit.is_finite() && limit >= LEAST_FOR_COUNTS * self.diagonal();
+            if found.count() >= count || !is_useful {
+                break;
+            }
+            let bounds = HullLimits { deadline: self.searching(), ..self.final_bounds(limit) };
+            // A part that is its own image cannot be divided into such parts.
+            let (divisible, count) = match surface.mirror {
+                Some(_) => (&mut found.parts.mirrored, (count - found.parts.whole.len()) / 2),
+                None => (&mut found.parts.whole, count),
+            };
+            let parts = std::mem::take(divisible);
+            *divisible = partition::divided_further(surface, &mut self.field, bounds, parts, count);
+        }
+        found
+    }
+
+    /// Whether a part and its image meet at the mirror plane unmerged.
+    fn meets_mirror(&self, surface: &Surface, found: &Found) -> bool {
+        let on_plane = COVERED * self.diagonal();
+        surface.mirror.as_ref().is_some_and(|mirror| {
+            let is_at = |part: &Part| part.piece.body.points.iter().any(|p| mirror.plane.height(*p) <= on_plane);
+            found.parts.mirrored.iter().any(is_at)
         })
+    }
+
+    fn finished(&self, surface: &Surface, found: Found) -> Vec<Hull> {
+        let Self { mesh, vertices, ref field, .. } = *self;
+        let (bounds, max_parts) = (self.final_bounds(found.limit), self.parameters.max_parts);
+        Finish { mesh, vertices, field, surface, bounds, max_parts }.hulls(found.parts)
+    }
+
+    fn covers(&self, hulls: &[Hull]) -> bool {
+        let hulls: Vec<&Hull> = hulls.iter().collect();
+        uncovered_triangles(self.mesh, &hulls, COVERED * self.diagonal(), self.deadline).is_empty()
     }
 }

@@ -23,14 +23,6 @@ impl Region {
         }
     }
 
-    /// The points of a hull of rank 3 whose planes are moved outward by a distance.
-    pub fn grown(hull: &Hull, distance: f64) -> Self {
-        let mut region = Self::new(hull);
-        region.planes.iter_mut().for_each(|plane| *plane = plane.moved(distance));
-        (region.low, region.high) = (DVec3::NEG_INFINITY, DVec3::INFINITY);
-        region
-    }
-
     /// The half-spaces that do not contain all of a box.
     pub fn crossing_box(&self, low: DVec3, high: DVec3) -> impl Iterator<Item = &HalfSpace> {
         self.planes.iter().filter(move |plane| plane.height(farthest(plane, low, high)) > 0.0)

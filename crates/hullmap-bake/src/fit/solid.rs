@@ -155,6 +155,31 @@ impl Solid {
             .any(|triangle| self.is_beside_inside(triangle, triangle::centroid(triangle)))
     }
 
+    /// The first point after `p` along a unit vector at which a ray meets a triangle.
+    pub fn first_hit(&self, p: DVec3, direction: DVec3) -> Option<DVec3> {
+        let start = BESIDE * self.surface.diagonal;
+        let inverse = direction.recip();
+        let of_box = |own: &Bounds| {
+            let (s, t) = ((own.low - p) * inverse, (own.high - p) * inverse);
+            let (enter, leave) = (s.min(t).max_element(), s.max(t).min_element());
+            if leave >= enter.max(0.0) { enter } else { f64::INFINITY }
+        };
+        let of_triangle = |index: u32| {
+            let [a, b, c] = self.surface.triangles[index as usize];
+            let (u, v) = (b - a, c - a);
+            let cross = direction.cross(v);
+            let inverse = u.dot(cross).recip();
+            let from = p - a;
+            let s = from.dot(cross) * inverse;
+            let turned = from.cross(u);
+            let t = direction.dot(turned) * inverse;
+            let distance = v.dot(turned) * inverse;
+            (s >= 0.0 && t >= 0.0 && s + t <= 1.0 && distance > start).then_some(distance)
+        };
+        let (distance, _) = self.surface.tree.lowest(2.0 * self.surface.diagonal, of_box, of_triangle)?;
+        Some(p + direction * distance)
+    }
+
     /// How the solid is known.
     pub fn kind(&self) -> SolidKind {
         self.kind

@@ -56,6 +56,10 @@ impl Bounds {
         points.iter().map(|p| Self::of_point(*p)).fold(Self::EMPTY, Self::with)
     }
 
+    pub fn grown(&self, by: f64) -> Self {
+        Self { low: self.low - by, high: self.high + by }
+    }
+
     pub fn contains(&self, p: DVec3) -> bool {
         p.cmpge(self.low).all() && p.cmple(self.high).all()
     }

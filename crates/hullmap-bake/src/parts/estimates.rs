@@ -4,8 +4,7 @@ use hullmap_geometry::PointSet;
 
 use crate::advice::usability::{Doubt, ObjectMeasures};
 use crate::deadline::Deadline;
-use crate::decompose::Cover;
-use crate::fit::{Looseness, Solid, SolidKind, VoidsShare, looseness_of_parts, overlap, remainder, voids};
+use crate::fit::{Looseness, Solid, VoidsShare, looseness_of_parts, overlap, voids};
 use crate::hull::{self, Hull};
 use crate::symmetry::{Mirror, mirror_of_parts};
 
@@ -29,9 +28,6 @@ pub struct PartsEstimates {
     pub voids: Option<f64>,
     /// Error of `voids`: twice its standard deviation.
     pub voids_error: Option<f64>,
-    /// Whether every point of the solid is proven to be in a part; `None` if not requested, or if
-    /// the mesh is not closed.
-    pub filled: Option<bool>,
     /// The plane about which the parts are symmetric, in their frame; `None` if there is none.
     pub symmetry: Option<MirrorPlane>,
 }
@@ -70,7 +66,6 @@ impl PartsEstimates {
     /// known. After the deadline, voids are estimated coarsely.
     pub fn new(
         mesh: &PointSet,
-        cover: Option<&Cover>,
         solid: &Solid,
         parts: &[&Hull],
         volume: Option<f64>,
@@ -88,14 +83,8 @@ impl PartsEstimates {
             symmetry: symmetry(parts),
             ..Self::default()
         };
-        // Unreachable space does not belong to the mesh's own solid.
-        let own = cover.filter(|cover| cover.reachable.is_some()).map(|cover| Solid::by(mesh, cover.solid));
-        let own = own.as_ref().unwrap_or(solid);
-        if cover.is_some_and(|cover| cover.fill) && own.kind() == SolidKind::Watertight {
-            found.filled = Some(remainder(own, parts).is_empty());
-        }
         if let Some(volume) = volume {
-            let VoidsShare { share, error } = voids(own, parts, deadline).relative_to(volume);
+            let VoidsShare { share, error } = voids(solid, parts, deadline).relative_to(volume);
             (found.voids, found.voids_error) = (Some(share), Some(error));
         }
         (found, means)
@@ -139,9 +128,6 @@ pub struct DecomposedObject {
     pub protrusion: Option<f64>,
     /// Thickness of the thinnest part.
     pub thickness: Option<f64>,
-    /// Radius of the ball that must be able to reach a place from outside for protrusion to count
-    /// there; `None` if it counts everywhere.
-    pub reachable: Option<f64>,
     /// Why an engine cannot use the parts well, in one word each; empty if it can.
     pub flaws: Vec<String>,
     /// How the parts fit together.
@@ -159,7 +145,6 @@ impl DecomposedObject {
             uncovered: object.solid.map(|_| object.uncovered),
             protrusion: object.parts.iter().filter_map(|part| part.protrusion).reduce(f64::max),
             thickness: object.parts.iter().map(|part| part.thickness).reduce(f64::min),
-            reachable: object.cover.and_then(|cover| cover.reachable).map(|radius| radius.resolve(object.diagonal)),
             flaws: doubts.iter().map(|doubt| doubt.flaw.as_str().to_owned()).collect(),
             estimates,
         }

@@ -8,7 +8,7 @@ use crate::advice::usability::{Flaw, ObjectMeasures, PartMeasures, doubts, exces
 use crate::advice::{self, Remark};
 use crate::baked_hull::BakedHull;
 use crate::deadline::{Deadline, is_over};
-use crate::decompose::{Cover, Length};
+use crate::decompose::{Cover, vertices_of_one_part};
 use crate::fit::{Fit, Solid, fits_around, mesh_mass};
 use crate::hull::Hull;
 use crate::primitive::{PrimitiveLimits, primitives};
@@ -71,7 +71,10 @@ pub fn parts(
             }
             let words = judge(name, points.diagonal(), own, Some(cover), estimates, &mut measured);
             if is_divided {
-                measured.remarks.push(about_parts(name, own, cover.reachable, words.as_deref()));
+                let is_free = cover.max_parts.is_none() && cover.seconds.is_none() && own.len() > 1;
+                let alone = is_free.then(|| vertices_of_one_part(points, &cover.solid_of(points), cover)).flatten();
+                measured.remarks.extend(alone.map(|count| advice::divided_by_vertices(name, count, cover)));
+                measured.remarks.push(about_parts(name, own, words.as_deref()));
             }
         }
         steps.take();
@@ -97,7 +100,7 @@ pub fn collision_parts(point_sets: &[PointSet], hulls: &mut [BakedHull]) -> Meas
         (0..).zip(hulls.iter_mut()).for_each(|(part, baked)| baked.part = part);
         let words = judge(&mesh.name, mesh.diagonal(), hulls, None, estimates, &mut measured);
         if hulls.len() > 1 {
-            measured.remarks.push(about_parts(&hulls[0].name, hulls, None, words.as_deref()));
+            measured.remarks.push(about_parts(&hulls[0].name, hulls, words.as_deref()));
         }
     }
     measured
@@ -113,10 +116,10 @@ pub fn solid_of(mesh: &PointSet, cover: Option<&Cover>) -> Solid {
     cover.map_or_else(|| Solid::new(mesh), |cover| cover.solid_of(mesh))
 }
 
-fn about_parts(name: &str, own: &[BakedHull], reachable: Option<Length>, estimates: Option<&str>) -> Remark {
+fn about_parts(name: &str, own: &[BakedHull], estimates: Option<&str>) -> Remark {
     let size = own.iter().map(|baked| baked.hull.diameter).fold(0.0, f64::max);
     let fits: Option<Vec<Fit>> = own.iter().map(|baked| baked.fit).collect();
-    advice::parts(name, own.len(), fits.as_deref().map(advice::PartsFit::from_fits), size, reachable, estimates)
+    advice::parts(name, own.len(), fits.as_deref().map(advice::PartsFit::from_fits), size, estimates)
 }
 
 /// Counts and measures the parts of one mesh, and records both in their hulls, with the mass of the
@@ -142,7 +145,7 @@ fn record(
     let fits = solid.as_ref().and_then(|solid| fits_around(solid, mesh, &hulls, limit, deadline));
     let holes = solid.as_ref().filter(|solid| solid.kind() == SolidKind::Closed).map_or(0.0, Solid::hole_share);
     let estimates =
-        solid.filter(|_| is_divided).map(|solid| PartsEstimates::new(mesh, cover, &solid, &hulls, volume, deadline).0);
+        solid.filter(|_| is_divided).map(|solid| PartsEstimates::new(mesh, &solid, &hulls, volume, deadline).0);
     // Voids are recorded only for several parts.
     if let [first, _, ..] = own {
         first.voids = estimates.as_ref().and_then(|estimates| estimates.voids_share());
@@ -169,7 +172,7 @@ fn record_primitives(
     let reached = fits.iter().map(|fit| fit.protrusion).fold(0.0, f64::max);
     let limit = if cover.max_parts.is_some() { reached } else { cover.max_error.resolve(mesh.diagonal()) };
     let hulls: Vec<&Hull> = own.iter().map(|baked| &baked.hull).collect();
-    let limits = PrimitiveLimits { protrusion: limit, contains_part: cover.fill, deadline };
+    let limits = PrimitiveLimits { protrusion: limit, deadline };
     let found = if is_over(deadline) {
         vec![None; own.len()]
     } else {
@@ -222,10 +225,8 @@ fn judge(
     let words = estimates.looseness().map(|found| advice::estimates(&found, estimates.voids, symmetry.as_deref()));
     let outside = cover.zip(estimates.outside_hull);
     measured.remarks.extend(outside.and_then(|(cover, outside)| advice::bulge(name, outside, diagonal, cover)));
-    let may_be_empty = estimates.voids.filter(|_| cover.is_some_and(|cover| !cover.fill && cover.max_parts.is_none()));
+    let may_be_empty = estimates.voids.filter(|_| cover.is_some_and(|cover| cover.max_parts.is_none()));
     measured.remarks.extend(may_be_empty.and_then(|voids| advice::empty(name, voids)));
-    let is_filled = cover.filter(|cover| cover.fill).map(|_| estimates.filled);
-    measured.remarks.extend(is_filled.map(|filled| advice::filled(name, filled)));
     measured.objects.push(DecomposedObject::new(&object, &doubts, estimates));
     words
 }

@@ -54,8 +54,6 @@ pub struct ProvenPrimitive {
 pub struct PrimitiveLimits {
     /// Maximum protrusion from the solid.
     pub protrusion: f64,
-    /// Whether a primitive contains all of its part, so that no voids arise.
-    pub contains_part: bool,
     /// Time after which no more primitives are searched for.
     pub deadline: Option<Deadline>,
 }
@@ -77,7 +75,7 @@ pub fn primitives(
             return None;
         }
         let mut points = contained(mesh, part, fit.uncovered, solid.diagonal());
-        if limits.contains_part || points.is_empty() {
+        if points.is_empty() {
             points.extend(part.positions());
         }
         of_points(solid, &points, limits)

@@ -92,7 +92,7 @@ fn judged(name: &str, mesh: &PointSet, error: f64) -> Vec<Option<PrimitiveKind>>
     let solid = Solid::new(mesh);
     let (diagonal, limit) = (solid.diagonal(), error * solid.diagonal());
     let fits = fits(mesh, &parts, Some(limit)).unwrap();
-    let limits = PrimitiveLimits { protrusion: limit, contains_part: false, deadline: None };
+    let limits = PrimitiveLimits { protrusion: limit, deadline: None };
     let found = primitives(&solid, mesh, &parts, &fits, &limits);
     let late = PrimitiveLimits { deadline: Some(Deadline::after(0.0)), ..limits };
     assert!(primitives(&solid, mesh, &parts, &fits, &late).iter().all(Option::is_none), "{name}: after the deadline");

@@ -99,7 +99,7 @@ fn primitives_match_the_pack() {
         [&mesh, &rock].map(|set| hullmap_bake::bake_hull(set, hullmap_bake::IndexKind::Tree).unwrap());
     let (solid, hulls) = (hullmap_bake::fit::solid::Solid::new(&mesh), [&part.hull]);
     let fits = hullmap_bake::fit::fits(&mesh, &hulls, None).unwrap();
-    let limits = hullmap_bake::primitive::PrimitiveLimits { protrusion: 0.01, contains_part: false, deadline: None };
+    let limits = hullmap_bake::primitive::PrimitiveLimits { protrusion: 0.01, deadline: None };
     let found = hullmap_bake::primitive::primitives(&solid, &mesh, &hulls, &fits, &limits);
     (part.part_count, part.fit, part.primitive) = (1, Some(fits[0]), found[0]);
     let file = hullmap_bake::write_owned_pack(vec![part, rock], &hullmap_bake::SourceRecord::default()).unwrap();

@@ -42,7 +42,7 @@ impl clap::Args for OptionFlags {
 }
 
 /// Options have help of their own where the help of `bake build` is also about whole hulls.
-const OF_PARTS: [(&str, Option<&str>); 13] = [
+const OF_PARTS: [(&str, Option<&str>); 9] = [
     (
         "max_error",
         Some(
@@ -57,12 +57,8 @@ const OF_PARTS: [(&str, Option<&str>); 13] = [
         ),
     ),
     ("max_parts", None),
-    ("overlap", None),
     ("solid", None),
     ("wall", None),
-    ("symmetry", None),
-    ("reachable", None),
-    ("fill", None),
     ("decompose_seconds", None),
     ("unit_scale", None),
     ("up_axis", None),

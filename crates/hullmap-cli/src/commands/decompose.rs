@@ -4,15 +4,17 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use hullmap::Pack;
+use hullmap_bake::decompose::{CurvePoint, curve};
 use hullmap_bake::progress::Stage;
 use hullmap_bake::{PointSet, SolidKind, SourceRecord};
 use hullmap_geometry::number::{percent, short};
-use hullmap_import::{self as import, Imported, ReadError, UpAxis};
+use hullmap_import::{Imported, ReadError, UpAxis, import as import_objects, read};
 use serde::Serialize;
 
 use crate::args::DecomposeArgs;
 use crate::interrupt;
 use crate::progress::Progress;
+use crate::table::{Align, Table};
 use crate::terminal::{self, Output};
 use hullmap_bake::parts::estimates::DecomposedObject;
 use hullmap_geometry::number::grouped;
@@ -67,19 +69,20 @@ struct MeshReport {
 pub fn run(args: &DecomposeArgs, out: &mut Output) -> Result<Exit, Failure> {
     let start = Instant::now();
     interrupt::catch();
-    let write = writer(&args.output)?;
-    check_output(args)?;
+    let Some(output) = &args.output else { return curves(args, out) };
+    let write = writer(output)?;
+    check_output(args, output)?;
     let (imported, pack) = with_progress(args, |stage| decompose(args, stage))?;
     let fault = |error: String| Failure::rejected(format!("{}: {error}", args.input.display()));
     let opened = Pack::from_bytes(&pack.bytes).map_err(|error| fault(error.to_string()))?;
     let bodies: Vec<Body> = opened.hulls().map(|hull| Body::new(&hull, UpAxis::Keep)).collect();
     let bytes = write(&bodies).map_err(fault)?;
-    make_folder(folder_of(&args.output)).map_err(|error| place::cannot_write(&args.output, &error))?;
-    place::put(&args.output, &bytes, args.force)?;
+    make_folder(folder_of(output)).map_err(|error| place::cannot_write(output, &error))?;
+    place::put(output, &bytes, args.force)?;
     let meshes = describe(&imported.point_sets, &opened, &bodies, &pack.objects);
     let report = Report {
         source: args.input.display().to_string(),
-        output: args.output.display().to_string(),
+        output: output.display().to_string(),
         parts: bodies.len(),
         vertices: meshes.iter().map(|mesh| mesh.vertices).sum(),
         triangles: meshes.iter().map(|mesh| mesh.triangles).sum(),
@@ -110,17 +113,17 @@ fn writer(output: &Path) -> Result<Write, Failure> {
     })
 }
 
-fn check_output(args: &DecomposeArgs) -> Result<(), Failure> {
-    let output = args.output.display();
+fn check_output(args: &DecomposeArgs, output: &Path) -> Result<(), Failure> {
+    let shown = output.display();
     if !args.force {
-        return place::check_free(&[PathBuf::from(&args.output)]);
+        return place::check_free(&[PathBuf::from(output)]);
     }
-    if args.output.is_dir() {
-        return Err(Failure::usage(format!("{output}: is a folder; name the file to write")));
+    if output.is_dir() {
+        return Err(Failure::usage(format!("{shown}: is a folder; name the file to write")));
     }
-    let [input, target] = [&args.input, &args.output].map(|path| path.canonicalize().ok());
+    let [input, target] = [&args.input, output].map(|path| path.canonicalize().ok());
     if input.is_some() && input == target {
-        return Err(Failure::usage(format!("{output}: is the mesh itself; name another file")));
+        return Err(Failure::usage(format!("{shown}: is the mesh itself; name another file")));
     }
     Ok(())
 }
@@ -142,22 +145,87 @@ fn with_progress<T: Send>(
     results.pop().unwrap_or_else(|| Err(Failure::usage("no thread did the work".to_owned())))
 }
 
-fn decompose(args: &DecomposeArgs, stage: Stage) -> Result<(Imported, BakedPack), Failure> {
+fn import(args: &DecomposeArgs) -> Result<Imported, Failure> {
     let (path, file) = (&args.input, args.input.display().to_string());
     let (options, limits) = (args.options.0.resolve(), args.limits.limits());
-    let source = import::read(&file, path, &limits).map_err(|error| match error {
+    let source = read(&file, path, &limits).map_err(|error| match error {
         ReadError::Io(error) => Failure::usage(format!("{file}: cannot read: {error}; check the file")),
         ReadError::Import(error) => Failure::rejected(error.to_string()),
     })?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let mut imported = import::import(&file, &stem, path, &source, &options.import(), &limits)
+    let mut imported = import_objects(&file, &stem, path, &source, &options.import(), &limits)
         .map_err(|error| Failure::rejected(error.to_string()))?;
     imported.give_triangles();
+    Ok(imported)
+}
+
+fn decompose(args: &DecomposeArgs, stage: Stage) -> Result<(Imported, BakedPack), Failure> {
+    let mut imported = import(args)?;
     stage.reach(READ);
+    let (file, options) = (args.input.display().to_string(), args.options.0.resolve());
     let record = SourceRecord { warnings: std::mem::take(&mut imported.warnings), ..SourceRecord::default() };
     let pack = bake_pack(&imported.point_sets, &options, &record, stage.from_to(READ, 1.0))
         .map_err(|error| Failure::rejected(format!("{file}: {error}")))?;
     Ok((imported, pack))
+}
+
+/// The curve of a mesh. Field names are the JSON's; lengths are in the unit of the output.
+#[derive(Debug, Serialize)]
+struct MeshCurve {
+    name: String,
+    diagonal: f64,
+    curve: Vec<CurveRow>,
+}
+
+#[derive(Debug, Serialize)]
+struct CurveRow {
+    max_error: f64,
+    parts: usize,
+    vertices: usize,
+    protrusion: Option<f64>,
+}
+
+/// Prints the curve of each mesh.
+fn curves(args: &DecomposeArgs, out: &mut Output) -> Result<Exit, Failure> {
+    let found = with_progress(args, |stage| {
+        let imported = import(args)?;
+        let cover = args.options.0.resolve().decompose().unwrap_or_default();
+        let row =
+            |CurvePoint { max_error, parts, vertices, protrusion }| CurveRow { max_error, parts, vertices, protrusion };
+        let steps = stage.steps(imported.point_sets.len());
+        let of_mesh = |mesh: &PointSet| {
+            let points = curve(mesh, &cover, Stage::default());
+            let points = points.map_err(|error| Failure::rejected(format!("{}: {error}", args.input.display())))?;
+            steps.take();
+            let curve = points.into_iter().map(row).collect();
+            Ok(MeshCurve { name: mesh.name.clone(), diagonal: mesh.diagonal(), curve })
+        };
+        imported.point_sets.iter().map(of_mesh).collect::<Result<Vec<_>, Failure>>()
+    })?;
+    let written = if args.json { out.json(&found).map_err(Failure::from) } else { write_curves(&found, out) };
+    end(Exit::Done, written)
+}
+
+fn write_curves(found: &[MeshCurve], out: &mut Output) -> Result<(), Failure> {
+    let mut table = Table::new(&[
+        ("mesh", Align::Left),
+        ("parts", Align::Right),
+        ("vertices", Align::Right),
+        ("protrusion", Align::Right),
+        ("--max-error", Align::Right),
+    ]);
+    for MeshCurve { name, diagonal, curve } in found {
+        for row in curve {
+            table.push(vec![
+                name.clone(),
+                grouped(row.parts as u64),
+                grouped(row.vertices as u64),
+                row.protrusion.map_or_else(|| "unmeasured".to_owned(), |length| percent(length / diagonal)),
+                percent(row.max_error / diagonal),
+            ]);
+        }
+    }
+    Ok(table.write(out)?)
 }
 
 /// Describes the parts of each mesh. The hulls of a mesh are consecutive, and the first is part 0.

@@ -198,8 +198,8 @@ fn in_order<'t>(table: &'t DeTable) -> Vec<(Range<usize>, &'t str, &'t Spanned<D
 }
 
 fn text_of(value: &DeValue, syntax: Syntax) -> Option<String> {
-    use Syntax::{HoleOrNone, LengthOrNone, NameOrNone, PairOrNone, ShareOrNone, SpacingOrNone, Switch, Words};
-    let is_text = matches!(syntax, Words(_) | ShareOrNone | LengthOrNone | HoleOrNone | NameOrNone);
+    use Syntax::{HoleOrNone, LengthOrNone, NameOrNone, PairOrNone, SpacingOrNone, Switch, Words};
+    let is_text = matches!(syntax, Words(_) | LengthOrNone | HoleOrNone | NameOrNone);
     let accepts_integer = !matches!(syntax, Words(_) | Switch | NameOrNone | PairOrNone);
     let accepts_float = accepts_integer && !matches!(syntax, Syntax::CountOrNone { .. });
     match value {
@@ -221,7 +221,7 @@ fn toml_type(syntax: Syntax) -> &'static str {
     match syntax {
         Syntax::Words(_) => "a string",
         Syntax::Switch => "true or false",
-        Syntax::ShareOrNone | Syntax::LengthOrNone => "a number, or a string such as \"2%\" or \"none\"",
+        Syntax::LengthOrNone => "a number, or a string such as \"2%\" or \"none\"",
         Syntax::Positive | Syntax::Finite => "a number",
         Syntax::CountOrNone { .. } => "a whole number or \"none\"",
         Syntax::PositiveOrNone | Syntax::FiniteOrNone => "a number or \"none\"",

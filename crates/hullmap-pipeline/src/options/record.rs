@@ -9,7 +9,7 @@ use std::fmt;
 
 use hullmap_bake::IndexKind;
 
-use super::removed::{VHACD, instead_of_record};
+use super::removed::{VHACD, instead_of_record, may_be_recorded};
 use super::table::{OPTIONS, Record, position};
 use super::{BuildOptions, OptionLayer};
 
@@ -71,6 +71,7 @@ impl BuildOptions {
             }
             match (key, value) {
                 ("index", _) => set_index(&mut layer, value)?,
+                _ if may_be_recorded(key) => {}
                 ("decompose", COVER) => layer.set(key, "true").ok()?,
                 _ => layer.set(key, value).ok()?,
             }
@@ -181,6 +182,7 @@ mod tests {
             "split none, vertices all, index tree 8, pack_names full",
             "split none, vertices all, index tree 8, decompose true",
             "split none, vertices all, index tree 8, decompose true, vhacd_resolution 32",
+            "split none, vertices all, index tree 8, decompose cover, reachable 5%",
         ] {
             assert_eq!(BuildOptions::from_recorded(text), None, "{text}");
         }
@@ -206,6 +208,19 @@ mod tests {
             None,
             "V-HACD"
         );
+    }
+
+    /// Packs that were made with such options can be verified, but are not fresh.
+    #[test]
+    fn options_that_change_no_bound_may_be_recorded() {
+        let usual = "split none, vertices referenced, index tree 8, decompose cover";
+        for removed in ["overlap 0.1", "overlap none", "symmetry none", "fill true"] {
+            let text = format!("{usual}, {removed}");
+            assert_eq!(BuildOptions::from_recorded(&text).unwrap().to_string(), usual);
+            assert!(instead_of_record(&text).is_some(), "{removed}");
+        }
+        let reachable = format!("{usual}, reachable 5%");
+        assert!(instead_of_record(&reachable).unwrap().contains("delete inner walls"));
     }
 
     #[test]

@@ -11,6 +11,20 @@ pub const INDEX: &str = "the options index-budget and resolution were removed; c
 
 pub const WALL: &str = "min_thickness was renamed; use wall";
 
+pub const SYMMETRY: &str = "the option symmetry was removed; parts of a symmetric mesh are symmetric unless that \
+                            takes more parts";
+
+pub const FILL: &str = "the option fill was removed; parts fill the solid";
+
+pub const OVERLAP: &str = "the option overlap was removed; parts are merged if they overlap by at most 5%";
+
+pub const REACHABLE: &str = "the option reachable was removed; delete inner walls from the mesh, or use solid closed";
+
+/// Whether a record may have an option that this version does not have, since it changes no bound.
+pub fn may_be_recorded(key: &str) -> bool {
+    ["overlap", "symmetry", "fill"].contains(&key)
+}
+
 /// Remedy for an option that this version does not have; `None` if earlier ones did not have it
 /// either. `key` is written as in `hullmap.toml` or as a flag without dashes in front.
 pub fn instead_of_option(key: &str) -> Option<&'static str> {
@@ -28,6 +42,10 @@ pub fn instead_of_option(key: &str) -> Option<&'static str> {
     match key.replace('-', "_").as_str() {
         "index_budget" | "resolution" => Some(INDEX),
         "min_thickness" => Some(WALL),
+        "symmetry" => Some(SYMMETRY),
+        "fill" => Some(FILL),
+        "overlap" => Some(OVERLAP),
+        "reachable" => Some(REACHABLE),
         key => KEYS.contains(&key).then_some(VHACD),
     }
 }
@@ -46,6 +64,10 @@ pub fn instead_of_record(record: &str) -> Option<&'static str> {
         "decompose true" => Some(VHACD),
         "index cubemap 64" => None,
         _ if option.starts_with("min_thickness ") => Some(WALL),
+        "symmetry none" => Some(SYMMETRY),
+        "fill true" => Some(FILL),
+        _ if option.starts_with("overlap ") => Some(OVERLAP),
+        _ if option.starts_with("reachable ") => Some(REACHABLE),
         _ if ["index budget ", "index cubemap "].iter().any(|own| option.starts_with(own)) => Some(INDEX),
         _ => None,
     };

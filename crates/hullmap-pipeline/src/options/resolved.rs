@@ -103,15 +103,11 @@ impl BuildOptions {
             max_parts: self.optional_count("max_parts"),
             max_vertices: self
                 .within_budget(self.optional_count("max_vertices").unwrap_or(Cover::default().max_vertices)),
-            overlap: self.optional_number("overlap").unwrap_or(f64::INFINITY),
             solid: SolidRule::ALL
                 .into_iter()
                 .find(|rule| rule.as_str() == self.word("solid"))
                 .expect("the table lists the names of rules"),
             wall: self.length("wall").unwrap_or(Length::Relative(THINNEST)),
-            symmetry: self.word("symmetry") == "auto",
-            reachable: self.length("reachable"),
-            fill: self.switch("fill"),
             seconds: self.optional_number("decompose_seconds"),
         })
     }
@@ -328,19 +324,11 @@ pub mod tests {
         assert_eq!(cover("max_error", "1%"), Some(Cover { max_error: Length::Relative(0.01), ..usual }));
         assert_eq!(cover("max_vertices", "32"), Some(Cover { max_vertices: 32, ..usual }));
         assert_eq!(cover("max_parts", "7"), Some(Cover { max_parts: Some(7), ..usual }));
-        for share in ["0.1", "10%"] {
-            assert_eq!(cover("overlap", share), Some(Cover { overlap: 0.1, ..usual }));
-        }
-        assert_eq!(cover("overlap", "none"), Some(Cover { overlap: f64::INFINITY, ..usual }));
         assert_eq!(cover("solid", "walls"), Some(Cover { solid: SolidRule::Walls, ..usual }));
         assert_eq!(cover("solid", "closed"), Some(Cover { solid: SolidRule::Closed, ..usual }));
         assert_eq!(cover("wall", "1%"), Some(Cover { wall: Length::Relative(0.01), ..usual }));
         assert_eq!(cover("wall", "0.5"), Some(Cover { wall: Length::Absolute(0.5), ..usual }));
-        assert_eq!(cover("reachable", "5%"), Some(Cover { reachable: Some(Length::Relative(0.05)), ..usual }));
-        assert_eq!(cover("symmetry", "none"), Some(Cover { symmetry: false, ..usual }));
-        assert_eq!(cover("symmetry", "auto"), Some(usual));
         assert!(options(&[("decompose", "true"), ("primitives", "true")]).has_primitives());
-        assert_eq!(cover("fill", "true"), Some(Cover { fill: true, ..usual }));
         assert_eq!(cover("decompose_seconds", "1.5"), Some(Cover { seconds: Some(1.5), ..usual }));
         assert_eq!(options(&[("decompose", "true"), ("max_vertices", "32")]).simplify(1.0), None);
         let kinds = ["false", "true"].map(|value| options(&[("keep_triangles", value)]).file_kind());

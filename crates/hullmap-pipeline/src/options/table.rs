@@ -8,7 +8,7 @@ use hullmap_format::header::FileKind;
 use super::removed::instead_of_value;
 use super::value::Syntax::{
     self, CountOrNone, Finite, FiniteOrNone, HoleOrNone, LengthOrNone, NameOrNone, PairOrNone, Positive,
-    PositiveOrNone, ShareOrNone, SpacingOrNone, Switch, Words,
+    PositiveOrNone, SpacingOrNone, Switch, Words,
 };
 use super::value::Value;
 
@@ -229,17 +229,6 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         ..OPTION
     },
     BuildOption {
-        key: "overlap",
-        syntax: ShareOrNone,
-        default: "0.05",
-        value_name: "SHARE",
-        help: "Maximum overlap of merged parts: the sum of all volumes minus the volume of the union, as a share of the latter (0.05 or 5%); none for any overlap",
-        section: Section::Parts,
-        is_advanced: true,
-        scope: Scope::Parts,
-        ..OPTION
-    },
-    BuildOption {
         key: "solid",
         syntax: Words(&["auto", "closed", "walls"]),
         default: "auto",
@@ -295,45 +284,12 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         ..OPTION
     },
     BuildOption {
-        key: "symmetry",
-        syntax: Words(&["auto", "none"]),
-        default: "auto",
-        value_name: "auto|none",
-        help: "auto: make the parts of a symmetric mesh symmetric if that takes no more parts; none: ignore symmetry",
-        section: Section::Parts,
-        is_advanced: true,
-        scope: Scope::Parts,
-        ..OPTION
-    },
-    BuildOption {
-        key: "reachable",
-        syntax: LengthOrNone,
-        default: "none",
-        value_name: "R|R%",
-        help: "Count protrusion only where a ball of radius R can get from outside, so that inner walls need no parts: a length, or a share of the mesh's diagonal",
-        section: Section::Parts,
-        is_advanced: true,
-        scope: Scope::Parts,
-        ..OPTION
-    },
-    BuildOption {
         key: "for_engine",
         syntax: Words(&crate::budget::NAMES),
         default: "none",
         value_name: "ENGINE",
         help: "Simplify hulls and parts to the limits of an engine: physx, physx-gpu, jolt, box3d, unity, unreal, newton or mujoco-warp",
         section: Section::Shape,
-        ..OPTION
-    },
-    BuildOption {
-        key: "fill",
-        syntax: Switch,
-        default: "false",
-        value_name: "BOOL",
-        help: "Leave no voids: enlarge and add parts until every point of a closed mesh's solid is in a part",
-        section: Section::Parts,
-        is_advanced: true,
-        scope: Scope::Parts,
         ..OPTION
     },
     BuildOption {
@@ -435,7 +391,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     },
 ];
 
-pub const OPTION_COUNT: usize = 33;
+pub const OPTION_COUNT: usize = 29;
 
 const OPTION: BuildOption = BuildOption {
     key: "",

@@ -18,7 +18,6 @@ pub enum Syntax {
     /// A finite number above 0, or `none`.
     PositiveOrNone,
     /// A finite number above 0, the same as a percentage, or `none`.
-    ShareOrNone,
     /// A finite number above 0, the same followed by `mm`, a percentage of at most 100, or `none`.
     LengthOrNone,
     Finite,
@@ -75,18 +74,15 @@ impl Syntax {
             Self::Words(words) => words.iter().find(|word| **word == text).map(|word| Value::Word(word)),
             Self::Switch => text.parse().ok().map(Value::Switch),
             Self::CountOrNone { min } => number(text, |&count| count >= min).map(Value::Count),
-            Self::ShareOrNone | Self::LengthOrNone if text.ends_with('%') => {
-                let percent = number(&text[..text.len() - 1], |&x: &f64| x / 100.0 > 0.0 && x.is_finite());
-                match self {
-                    Self::ShareOrNone => percent.map(|percent| Value::Number(percent / 100.0)),
-                    _ => percent.filter(|percent| *percent <= 100.0).map(Value::Percent),
-                }
+            Self::LengthOrNone if text.ends_with('%') => {
+                let is_share = |&x: &f64| x / 100.0 > 0.0 && x <= 100.0;
+                number(&text[..text.len() - 1], is_share).map(Value::Percent)
             }
             Self::LengthOrNone if text.ends_with("mm") => {
                 number(text[..text.len() - 2].trim_end(), |&x: &f64| x / 1000.0 > 0.0 && x.is_finite())
                     .map(|millimetres| Value::Number(millimetres / 1000.0))
             }
-            Self::Positive | Self::PositiveOrNone | Self::ShareOrNone | Self::LengthOrNone => {
+            Self::Positive | Self::PositiveOrNone | Self::LengthOrNone => {
                 number(text, |&x: &f64| x > 0.0 && x.is_finite()).map(Value::Number)
             }
             Self::Finite | Self::FiniteOrNone => number(text, |x: &f64| x.is_finite()).map(Value::Number),
@@ -112,7 +108,6 @@ impl Syntax {
             Self::Positive => "a finite number above 0".to_owned(),
             Self::CountOrNone { min } => format!("a whole number of at least {min}, or none"),
             Self::PositiveOrNone => "a finite number above 0, or none".to_owned(),
-            Self::ShareOrNone => "a finite number above 0, the same with %, or none".to_owned(),
             Self::LengthOrNone => "a finite number above 0, the same with mm or (up to 100) %, or none".to_owned(),
             Self::Finite => "a finite number".to_owned(),
             Self::FiniteOrNone | Self::HoleOrNone => "a finite number, or none".to_owned(),

@@ -31,9 +31,6 @@ class BakeOptions(TypedDict, total=False):
     """Cover concave meshes by convex parts, with proven bounds. It requires faces."""
     max_parts: Optional[int]
     """Maximum number of parts. The search then looks for the smallest error."""
-    overlap: Optional[Union[float, str]]
-    """Maximum overlap of merged parts: the sum of their volumes minus the volume of their union, as a share
-    of the latter, such as 0.05 or ``"5%"``, the default."""
     solid: Optional[Literal["auto", "closed", "walls"]]
     """"closed" closes the holes of an open mesh and counts its inside; "walls" counts its walls only, so that
     openings stay open. "auto", the default, is "walls" if half of the area has faces on both sides, or if a
@@ -41,13 +38,6 @@ class BakeOptions(TypedDict, total=False):
     wall: Optional[Union[float, str]]
     """Thickness of the parts of walls; ``"0.5%"`` of the diagonal by default. It is at most half of
     ``max_error``."""
-    symmetry: Optional[Literal["auto", "none"]]
-    """Make the parts of a symmetric mesh symmetric, unless that takes more parts; "auto" by default."""
-    reachable: Optional[Union[float, str]]
-    """Count protrusion only where a ball of this radius can get from outside; ``"5%"`` is relative to the
-    diagonal. Inner walls then need no parts."""
-    fill: Optional[bool]
-    """Leave no voids: every point of a closed mesh's solid is in a part. There may be more parts."""
     primitives: Optional[bool]
     """Record a box, sphere, capsule or cylinder for each part that it can replace within both bounds."""
     decompose_seconds: Optional[float]

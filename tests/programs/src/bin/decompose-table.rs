@@ -43,9 +43,6 @@ struct Arguments {
     /// Maximum number of vertices of a part
     #[arg(long, default_value_t = Cover::default().max_vertices)]
     max_vertices: u32,
-    /// Maximum overlap of merged parts, as a share of the union
-    #[arg(long, default_value_t = Cover::default().overlap)]
-    overlap: f64,
     /// Number of points that try to refute the claims about each mesh
     #[arg(long, default_value_t = 0)]
     samples: usize,
@@ -79,8 +76,7 @@ fn main() -> ExitCode {
         let peer =
             arguments.peer.as_ref().map(|folder| folder.join(format!("{name}.obj"))).filter(|path| path.exists());
         let peer = peer.map(|path| hulls(&objects_of(name, &path)));
-        let Arguments { max_vertices, overlap, .. } = arguments;
-        let any = Cover { max_vertices, overlap, ..Cover::default() };
+        let any = Cover { max_vertices: arguments.max_vertices, ..Cover::default() };
         let cover = match &peer {
             Some(peer) => Cover { max_parts: Some(peer.len() as u32), ..any },
             None => Cover { max_error: Length::Relative(0.01 * arguments.max_error), ..any },

@@ -5,11 +5,11 @@ use rayon::prelude::*;
 
 use super::{
     body::Body,
-    cells::FacePlanes,
     field::Field,
     piece::{Piece, Scale},
+    planes::FacePlanes,
     sample::spread_points,
-    shape::{self, Part, Shell},
+    shape::{self, Component, Part},
     wrap::HullLimits,
 };
 use crate::spread::spread;
@@ -31,15 +31,11 @@ pub struct PartitionSearch<'a> {
     /// The mesh's solid.
     pub field: &'a Field<'a>,
     /// Lengths.
-    pub scale: Scale,
+    pub scale: Scale<'a>,
     /// Planes of faces that may divide pieces.
     pub planes: &'a FacePlanes,
     /// Limits of hulls.
     pub bounds: HullLimits<'a>,
-    /// Number of parts above which a result is unusable.
-    pub enough: usize,
-    /// Whether pieces are also peeled, which may give fewer parts.
-    pub peels: bool,
 }
 
 impl PartitionSearch<'_> {
@@ -81,6 +77,6 @@ impl PartitionSearch<'_> {
     /// The part of a piece.
     pub fn shaped(&self, piece: &Piece) -> Result<Part, Option<DVec3>> {
         let (hull, bound) = shape::shaped(self.field, &piece.body, &self.bounds)?;
-        Ok(Part { piece: piece.clone(), hull, bound, shell: Shell::default() })
+        Ok(Part { piece: piece.clone(), hull, bound, component: Component::default() })
     }
 }

@@ -5,10 +5,11 @@ use rayon::prelude::*;
 
 use super::{
     body::{Body, longest},
-    cells::FacePlanes,
     conflicts::Conflicts,
     context::PartitionSearch,
+    links::Links,
     piece::{Piece, Scale},
+    planes::FacePlanes,
 };
 use hullmap_geometry::planes::HalfSpace;
 
@@ -29,7 +30,10 @@ const PROTRUSION: f64 = 2.0;
 const OFF_MIDDLE: f64 = 0.3;
 
 /// Relative extra cost of a plane that is not across an axis: axis cuts are the easiest to read.
-const SLANTED: f64 = 0.1;
+const SLANTED: f64 = 0.5;
+
+/// Factor for planes of faces: parts then end where faces do, and faces stay flat.
+const OF_FACE: f64 = 0.7;
 
 /// Weight of the volume, relative to the weight of forbidden points.
 const VOLUME: f64 = 0.1;
@@ -90,6 +94,18 @@ pub fn middle(piece: &Piece) -> HalfSpace {
     HalfSpace { normal, offset: normal.dot(0.5 * (low + high)) }
 }
 
+/// Planes through the middle of a piece's box: across its axes, and along its diagonals.
+pub fn through_middle(piece: &Piece) -> impl Iterator<Item = HalfSpace> {
+    let Body { low, high, .. } = piece.body;
+    let (middle, size) = (0.5 * (low + high), high - low);
+    let diagonals = (0..3).flat_map(move |axis| {
+        let (u, v) = (DVec3::AXES[(axis + 1) % 3], DVec3::AXES[(axis + 2) % 3]);
+        [1.0, -1.0].map(|sign| u * size.dot(v) + sign * v * size.dot(u))
+    });
+    let normals = DVec3::AXES.into_iter().chain(diagonals).filter_map(DVec3::try_normalize);
+    normals.map(move |normal| HalfSpace { normal, offset: normal.dot(middle) })
+}
+
 /// The planes of faces at concave edges, and of large faces, that cut a piece, in the given order.
 pub fn faces<'a>(piece: &'a Piece, scale: &Scale, planes: &'a FacePlanes) -> impl Iterator<Item = HalfSpace> + 'a {
     let margin = 0.2 * scale.limit;
@@ -104,7 +120,7 @@ pub fn faces<'a>(piece: &'a Piece, scale: &Scale, planes: &'a FacePlanes) -> imp
 /// How much two sides of a plane protrude: the sum of squares of the numbers of forbidden points in
 /// their components, so that planes are preferred that leave little on each side, and a share of
 /// the volume.
-fn protrusion(piece: &Piece, scale: &Scale, near: &[Vec<u32>], forbidden: &[DVec3], plane: &HalfSpace) -> f64 {
+fn protrusion(piece: &Piece, scale: &Scale, near: &Links, forbidden: &[DVec3], plane: &HalfSpace) -> f64 {
     let back = plane.opposite();
     let sides = [plane, &back].map(|plane| scale.above(&piece.atoms, near, plane));
     if sides.iter().any(Vec::is_empty) {
@@ -137,12 +153,7 @@ fn led_through(search: &PartitionSearch, piece: &Piece, forbidden: &[DVec3], nor
 /// The plane whose sides protrude least; `None` if no plane cuts the piece, or after the deadline.
 /// Candidates: planes of faces at concave edges and of large faces, and equally spaced planes
 /// across axes.
-pub fn best_plane(
-    search: &PartitionSearch,
-    piece: &Piece,
-    near: &[Vec<u32>],
-    conflicts: &Conflicts,
-) -> Option<HalfSpace> {
+pub fn best_plane(search: &PartitionSearch, piece: &Piece, near: &Links, conflicts: &Conflicts) -> Option<HalfSpace> {
     let choice = Choice::new(search, piece, near, conflicts);
     let mut candidates = choice.candidates();
     candidates.sort_by(|a, b| a.least().total_cmp(&b.least()));
@@ -162,13 +173,13 @@ pub fn best_plane(
 struct Choice<'a> {
     search: &'a PartitionSearch<'a>,
     piece: &'a Piece,
-    near: &'a [Vec<u32>],
+    near: &'a Links,
     conflicts: &'a Conflicts,
     forbidden: Vec<DVec3>,
 }
 
 impl<'a> Choice<'a> {
-    fn new(search: &'a PartitionSearch<'a>, piece: &'a Piece, near: &'a [Vec<u32>], conflicts: &'a Conflicts) -> Self {
+    fn new(search: &'a PartitionSearch<'a>, piece: &'a Piece, near: &'a Links, conflicts: &'a Conflicts) -> Self {
         let stride = piece.forbidden.len().div_ceil(COMPARED).max(1);
         let forbidden = piece.forbidden.iter().step_by(stride).copied().collect();
         Self { search, piece, near, conflicts, forbidden }
@@ -186,7 +197,7 @@ impl<'a> Choice<'a> {
         });
         let slices = wide.flat_map(|normal| (2..SLABS - 1).map(move |k| across(normal, k)));
         let slices = slices.map(|plane| (plane, 1.0 + unlike(piece, &plane)));
-        let faces = faces(piece, scale, planes).map(|plane| (plane, 1.0));
+        let faces = faces(piece, scale, planes).map(|plane| (plane, OF_FACE));
         let all: Vec<(usize, (HalfSpace, f64))> = slices.chain(faces).enumerate().collect();
         let candidate = |(index, (plane, factor))| Candidate { index, plane, factor, left: self.left(&plane) };
         all.into_par_iter().map(candidate).collect()
@@ -241,7 +252,7 @@ pub mod tests {
     use super::*;
     use crate::{
         decompose::{
-            partition::{field::Field, piece::Atom, surface::Surface, wrap::HullLimits},
+            partition::{atom::Atom, field::Field, surface::Surface, wrap::HullLimits},
             patch::Patch,
             tests::point_set,
         },
@@ -275,13 +286,14 @@ pub mod tests {
         let (diagonal, limit) = (solid.diagonal(), share * solid.diagonal());
         let bounds =
             HullLimits { limit, max_vertices: 64, diagonal, thickness: 0.0, deadline: None, stage: Stage::default() };
-        let (field, scale) = (Field::new(&solid), Scale { limit, diagonal });
-        let planes = FacePlanes::new(&surface.triangles, diagonal);
-        let search = PartitionSearch { field: &field, scale, planes: &planes, bounds, enough: usize::MAX, peels: true };
+        let field = Field::new(&solid);
+        let scale = Scale { limit, diagonal, field: &field };
+        let planes = FacePlanes::new(&surface.triangles);
+        let search = PartitionSearch { field: &field, scale, planes: &planes, bounds };
         let atom = |triangle: &[DVec3; 3]| Arc::new(Atom::new(Patch::new(vec![triangle.to_vec()]).unwrap()));
         let atoms: Vec<Arc<Atom>> = surface.triangles.iter().map(atom).collect();
-        let forbidden = search.forbidden(&surface.triangles, &scale.body_of_atoms(&atoms));
-        with(&search, &scale.piece(atoms, Vec::new(), &forbidden))
+        let forbidden = search.forbidden(&surface.triangles, &scale.body(surface.triangles.as_flattened()));
+        with(&search, &scale.piece(atoms, Vec::new(), Vec::new(), &forbidden))
     }
 
     #[test]
@@ -301,29 +313,40 @@ pub mod tests {
             [(11, 0.3, 0.01), (11, 1.4, 0.03), (12, 0.6, 0.03), (20, 0.3, 0.02), (20, 1.0, 0.03)]
         {
             with_search(&gear(teeth, height), share, |search, piece| {
-                let near = search.scale.neighbours(&piece.atoms);
+                let near = search.scale.links(&piece.atoms);
                 let plane = best_plane(search, piece, &near, &Conflicts::new(search, piece)).unwrap();
                 assert!(plane.normal.z.abs() < 0.1, "{teeth} teeth, {height} high, {share}: {plane:?}");
             });
         }
     }
 
-    /// Without the extra cost, a slanted cut is best for a gear with 13 teeth.
+    /// Without the factors, slanted cuts would be best for some gears.
     #[test]
-    fn cuts_across_an_axis_are_preferred() {
-        with_search(&gear(13, 0.4), 0.02, |search, piece| {
-            let (near, conflicts) = (search.scale.neighbours(&piece.atoms), Conflicts::new(search, piece));
-            let choice = Choice::new(search, piece, &near, &conflicts);
-            let is_slanted = |candidate: &Candidate| candidate.plane.normal.abs().max_element() < 0.99;
-            let extra = |candidate: &Candidate| if is_slanted(candidate) { SLANTED } else { 0.0 };
-            let plain = |candidate: &Candidate| {
-                choice.cost(candidate) * (candidate.factor - extra(candidate)) / candidate.factor
-            };
-            let candidates = choice.candidates();
-            let best = candidates.iter().min_by(|a, b| choice.cost(a).total_cmp(&choice.cost(b))).unwrap();
-            let best_plain = candidates.iter().min_by(|a, b| plain(a).total_cmp(&plain(b))).unwrap();
-            assert!(!is_slanted(best) && is_slanted(best_plain), "{:?} {:?}", best.plane, best_plain.plane);
-        });
+    fn cuts_across_an_axis_and_along_faces_are_preferred() {
+        let mut turned = 0;
+        for teeth in 8..24 {
+            with_search(&gear(teeth, 0.4), 0.02, |search, piece| {
+                let (near, conflicts) = (search.scale.links(&piece.atoms), Conflicts::new(search, piece));
+                let choice = Choice::new(search, piece, &near, &conflicts);
+                let is_slanted = |candidate: &Candidate| {
+                    candidate.factor != OF_FACE && candidate.plane.normal.abs().max_element() < 0.99
+                };
+                let plain = |candidate: &Candidate| match candidate.factor {
+                    OF_FACE => choice.cost(candidate) / OF_FACE,
+                    factor if is_slanted(candidate) => choice.cost(candidate) * (factor - SLANTED) / factor,
+                    _ => choice.cost(candidate),
+                };
+                let candidates = choice.candidates();
+                let best = |cost: &dyn Fn(&Candidate) -> f64| {
+                    let best = candidates.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
+                    is_slanted(best.unwrap())
+                };
+                let (with, without) = (best(&|candidate| choice.cost(candidate)), best(&plain));
+                assert!(!with || without, "{teeth} teeth");
+                turned += usize::from(without && !with);
+            });
+        }
+        assert!(turned > 1, "the sample is not representative: {turned}");
     }
 
     #[test]
@@ -331,7 +354,7 @@ pub mod tests {
         let mut skipped = 0;
         for (mesh, share) in [(gear(9, 0.4), 0.02), (concave::bowl(24, 8), 0.02), (concave::spiral_stair(9), 0.01)] {
             with_search(&mesh, share, |search, piece| {
-                let (near, conflicts) = (search.scale.neighbours(&piece.atoms), Conflicts::new(search, piece));
+                let (near, conflicts) = (search.scale.links(&piece.atoms), Conflicts::new(search, piece));
                 let choice = Choice::new(search, piece, &near, &conflicts);
                 let candidates = choice.candidates();
                 let costs: Vec<f64> = candidates.iter().map(|candidate| choice.cost(candidate)).collect();

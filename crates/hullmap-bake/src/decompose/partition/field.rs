@@ -257,13 +257,22 @@ impl<'a> Field<'a> {
         found
     }
 
-    fn is_inside(&self, p: DVec3) -> bool {
+    /// Whether a point is in the solid.
+    pub fn is_inside(&self, p: DVec3) -> bool {
         match self.side(p) {
             Some((INSIDE, _)) => true,
             Some((OUTSIDE, _)) => false,
             None if !self.labels.is_empty() => false,
             _ => self.solid.is_inside(p),
         }
+    }
+
+    /// A point, and the first point behind it along a unit vector at which the solid ends; `None`
+    /// if it does not begin there.
+    pub fn across(&self, p: DVec3, direction: DVec3) -> Option<[DVec3; 2]> {
+        let end = self.solid.first_hit(p, direction)?;
+        let is_between = [0.5, 0.1, 0.9].iter().all(|t| self.is_inside(p.lerp(end, *t)));
+        is_between.then_some([p, end])
     }
 
     /// The solid.

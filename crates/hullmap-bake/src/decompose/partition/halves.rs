@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::{
     body::Body,
     context::PartitionSearch,
-    join::{self, Merged, Overlap},
+    join::{self, Overlap},
     piece::Piece,
     shape::Part,
 };
@@ -43,31 +43,35 @@ struct Merger {
     body: Body,
 }
 
+/// Parts of half a surface.
+#[derive(Clone, Debug, Default)]
+pub struct Halves {
+    /// Parts that are their own mirror images.
+    pub whole: Vec<Part>,
+    /// Parts that also stand for their mirror images.
+    pub mirrored: Vec<Part>,
+}
+
 /// Merges parts of half a surface with their mirror images, under the conditions of
-/// [`join::merge`]. Results are self-symmetric, and those in `mirrored` also stand for their
-/// images. Both count in `wanted` and `fewest`.
+/// [`join::merge`], down to `wanted` parts.
 ///
 /// # Complexity
 /// One hull for each pair of parts, including merged parts.
 pub fn merge(
     search: &PartitionSearch,
-    found: Merged,
+    parts: Vec<Part>,
     mirror: &Mirror,
     forbidden: &mut Vec<DVec3>,
-    overlap: f64,
     wanted: usize,
-) -> Merged {
-    let divided = found.divided;
+) -> Halves {
     let image = |part: &Part| Some(search.scale.body(&images(&part.piece.body, mirror)));
-    let mut units: Vec<Option<Unit>> =
-        found.parts.into_iter().map(|part| Some(Unit { image: image(&part), part })).collect();
+    let mut units: Vec<Option<Unit>> = parts.into_iter().map(|part| Some(Unit { image: image(&part), part })).collect();
     let mut count: usize = units.iter().flatten().map(Unit::count).sum();
     if count > join::MANY {
-        return result(units, count, divided);
+        return result(units);
     }
-    let mut shared = Overlap::new(units.iter().flatten().flat_map(Unit::bodies), overlap);
+    let mut shared = Overlap::new(units.iter().flatten().flat_map(Unit::bodies));
     let mut failures = join::FAILURES + units.len();
-    let mut enough = None;
     let mut mergers: BTreeMap<(usize, usize), Option<Merger>> = BTreeMap::new();
     while failures > 0 && !search.is_over() {
         let new: Vec<(usize, usize)> = pairs(&units).filter(|pair| !mergers.contains_key(pair)).collect();
@@ -77,8 +81,8 @@ pub fn merge(
         let possible = mergers.iter().filter_map(|(pair, merger)| Some((*pair, merger.as_ref()?.cost)));
         let Some((pair, _)) = possible.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0))) else { break };
         let Some(Some(Merger { cost, body })) = mergers.insert(pair, None) else { break };
-        if count <= wanted && enough.is_none() && !join::is_free(cost, &body) {
-            enough = Some(units.clone());
+        if count <= wanted && !join::is_free(cost, &body) {
+            break;
         }
         let others = units.iter().enumerate().filter(|(k, _)| *k != pair.0 && *k != pair.1);
         let others = others.filter_map(|(_, unit)| unit.as_ref()).flat_map(Unit::bodies);
@@ -89,10 +93,10 @@ pub fn merge(
             forbidden.extend(beyond);
             continue;
         }
-        let shell = units[pair.0].as_ref().map(|unit| unit.part.shell).unwrap_or_default();
+        let component = units[pair.0].as_ref().map(|unit| unit.part.component).unwrap_or_default();
         match search.shaped(&united(search, &units, pair, &body, mirror)) {
             Ok(part) => {
-                let part = Part { shell, ..part };
+                let part = Part { component, ..part };
                 shared = after;
                 let merged = [pair.0, pair.1].map(|i| units[i].take().map_or(0, |unit| unit.count()));
                 count = count + 1 - merged.iter().sum::<usize>();
@@ -105,13 +109,13 @@ pub fn merge(
             }
         }
     }
-    result(enough.unwrap_or(units), count, divided)
+    result(units)
 }
 
-fn result(units: Vec<Option<Unit>>, fewest: usize, divided: usize) -> Merged {
+fn result(units: Vec<Option<Unit>>) -> Halves {
     let (own, whole): (Vec<Unit>, Vec<Unit>) = units.into_iter().flatten().partition(|unit| unit.image.is_some());
     let parts = |units: Vec<Unit>| units.into_iter().map(|unit| unit.part).collect();
-    Merged { parts: parts(whole), mirrored: parts(own), fewest, divided }
+    Halves { whole: parts(whole), mirrored: parts(own) }
 }
 
 fn images(body: &Body, mirror: &Mirror) -> Vec<DVec3> {
@@ -120,9 +124,10 @@ fn images(body: &Body, mirror: &Mirror) -> Vec<DVec3> {
 
 fn pairs(units: &[Option<Unit>]) -> impl Iterator<Item = (usize, usize)> + '_ {
     let has_image = |i: usize| units[i].as_ref().map(|unit| unit.image.is_some());
-    let shell = |i: usize| units[i].as_ref().map(|unit| unit.part.shell);
+    let component = |i: usize| units[i].as_ref().map(|unit| unit.part.component);
     let all = (0..units.len()).flat_map(|j| (0..=j).map(move |i| (i, j)));
-    let of_one = all.filter(move |(i, j)| shell(*i) == shell(*j) && shell(*i).is_some_and(|shell| shell.meets_mirror));
+    let of_one =
+        all.filter(move |(i, j)| component(*i) == component(*j) && component(*i).is_some_and(|own| own.meets_mirror));
     of_one.filter(move |(i, j)| match (has_image(*i), has_image(*j)) {
         (Some(true), Some(true)) => i == j,
         (Some(false), Some(false)) => i != j,
@@ -161,10 +166,11 @@ fn united(
     body: &Body,
     mirror: &Mirror,
 ) -> Piece {
-    let (mut atoms, mut planes) = (Vec::new(), Vec::new());
+    let (mut atoms, mut corners, mut planes) = (Vec::new(), Vec::new(), Vec::new());
     for unit in merged(units, pair) {
         let own = &unit.part.piece.atoms;
         atoms.extend(own.iter().cloned());
+        corners.extend_from_slice(&unit.part.piece.corners);
         for plane in &unit.part.piece.planes {
             let normal = mirror.image(plane.normal) - mirror.image(DVec3::ZERO);
             let image = HalfSpace { normal, offset: normal.dot(mirror.image(plane.normal * plane.offset)) };
@@ -172,8 +178,9 @@ fn united(
         }
         if unit.image.is_some() {
             atoms.extend(own.iter().map(|atom| Arc::new(atom.image(mirror))));
+            corners.extend(unit.part.piece.corners.iter().map(|p| mirror.image(*p)));
         }
     }
     let holds = |plane: &HalfSpace| body.points.iter().all(|p| plane.height(*p) <= search.scale.tolerance());
-    search.scale.piece(atoms, planes.into_iter().filter(holds).collect(), &[])
+    search.scale.piece(atoms, corners, planes.into_iter().filter(holds).collect(), &[])
 }

@@ -7,17 +7,18 @@ use rayon::prelude::*;
 
 use super::{
     body::Body,
-    clique::large_clique,
-    conflicts::far,
     context::PartitionSearch,
     piece::{Cloud, Piece},
     shape::Part,
 };
-use crate::{spread::spread, symmetry::Mirror};
+use crate::{decompose::parameters::OVERLAP, spread::spread};
 use hullmap_geometry::planes::HalfSpace;
 
 /// Number of points by which the common volume of two bodies is estimated.
 const COMMON_POINTS: usize = 512;
+
+/// Error of an estimated overlap, relative to the volume of the union: it counts as no larger.
+const SAME: f64 = 2e-3;
 
 /// Number of parts above which none are merged, since the time grows with its square.
 pub const MANY: usize = 512;
@@ -32,63 +33,34 @@ pub const FAILURES: usize = 16;
 /// no tighter apart.
 const FREE: f64 = 1e-4;
 
-/// Merged parts.
-#[derive(Clone, Debug)]
-pub struct Merged {
-    /// The parts: at least the wanted number, unless free mergers, or no mergers, leave fewer.
-    pub parts: Vec<Part>,
-    /// Parts that also stand for their mirror images.
-    pub mirrored: Vec<Part>,
-    /// Number of parts to which they can be merged.
-    pub fewest: usize,
-    /// Number of parts before mergers.
-    pub divided: usize,
-}
-
 struct Merger {
     cost: f64,
     body: Body,
 }
 
-/// Merges parts while merged parts are within the limit and all parts overlap by at most `overlap`
-/// of their union's volume. Other than free mergers stop at `wanted` parts; further ones are only
-/// counted. Nothing is merged if the result would be unusable; with a `mirror`, each part counts
-/// with its image. Builds one hull for each pair of nearby parts, including merged parts.
-pub fn merge(
-    search: &PartitionSearch,
-    parts: Vec<Part>,
-    mirror: Option<&Mirror>,
-    forbidden: &mut Vec<DVec3>,
-    overlap: f64,
-    wanted: usize,
-) -> Merged {
-    let scale = &search.scale;
-    let mut left: Vec<Option<Part>> = parts.into_iter().map(Some).collect();
-    if left.len() > MANY {
-        let count = left.len();
-        let parts = left.into_iter().flatten().collect();
-        return Merged { parts, mirrored: Vec::new(), fewest: count, divided: count };
+/// Merges parts while merged parts are within the limit and all parts overlap by at most
+/// [`OVERLAP`] of their union's volume, down to `wanted` parts; free mergers go on. Builds one hull
+/// for each pair of nearby parts, including merged parts.
+pub fn merge(search: &PartitionSearch, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, wanted: usize) -> Vec<Part> {
+    if parts.len() > MANY {
+        return parts;
     }
-    let divided = left.len();
-    let (mut count, mut enough) = (divided, None);
-    let mut shared = Overlap::new(left.iter().flatten().map(|part| &part.piece.body), overlap);
+    let mut left: Vec<Option<Part>> = parts.into_iter().map(Some).collect();
+    let mut count = left.len();
+    let mut shared = Overlap::new(left.iter().flatten().map(|part| &part.piece.body));
     let mut failures = FAILURES + left.len();
     // Each pair is tried once.
     let mut mergers: BTreeMap<(usize, usize), Option<Merger>> = BTreeMap::new();
-    let mut is_first = true;
     while failures > 0 && !search.is_over() {
-        let gap = if count <= FEW { f64::INFINITY } else { scale.limit };
+        let gap = if count <= FEW { f64::INFINITY } else { search.scale.limit };
         let pairs: Vec<(usize, usize)> = near_pairs(&left, gap).filter(|p| !mergers.contains_key(p)).collect();
         let new: Vec<_> = pairs.into_par_iter().map(|pair| (pair, merger(search, &left, pair, forbidden))).collect();
         mergers.extend(new);
-        if std::mem::take(&mut is_first) && needed(search, &left, &mergers, mirror) > search.enough {
-            break;
-        }
         let possible = mergers.iter().filter_map(|(pair, merger)| Some((*pair, merger.as_ref()?.cost)));
         let Some((pair, _)) = possible.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0))) else { break };
         let Some(Some(Merger { cost, body })) = mergers.insert(pair, None) else { break };
-        if count <= wanted && enough.is_none() && !is_free(cost, &body) {
-            enough = Some(left.clone());
+        if count <= wanted && !is_free(cost, &body) {
+            break;
         }
         let others = left.iter().enumerate().filter(|(k, _)| *k != pair.0 && *k != pair.1);
         let others = others.filter_map(|(_, part)| part.as_ref()).map(|part| &part.piece.body);
@@ -102,7 +74,7 @@ pub fn merge(
         let [Some(a), Some(b)] = [pair.0, pair.1].map(|i| left[i].as_ref()) else { continue };
         match search.shaped(&united(search, &a.piece, &b.piece, &body)) {
             Ok(part) => {
-                let part = Part { shell: a.shell, ..part };
+                let part = Part { component: a.component, ..part };
                 shared = after;
                 (left[pair.0], left[pair.1]) = (None, None);
                 left.push(Some(part));
@@ -115,43 +87,12 @@ pub fn merge(
             }
         }
     }
-    let parts = enough.unwrap_or(left).into_iter().flatten().collect();
-    Merged { parts, mirrored: Vec::new(), fewest: count, divided }
+    left.into_iter().flatten().collect()
 }
 
 /// Whether a merger adds next to no volume to its parts.
 pub fn is_free(cost: f64, body: &Body) -> bool {
     cost <= FREE * body.volume()
-}
-
-/// A number of parts that are left after any mergers; with a `mirror`, of parts and their images:
-/// the size of a clique of parts no two of which can be merged, because a point beyond the limit
-/// lies in their common hull. 0 if no more than this are useful, or after the deadline.
-fn needed(
-    search: &PartitionSearch,
-    parts: &[Option<Part>],
-    mergers: &BTreeMap<(usize, usize), Option<Merger>>,
-    mirror: Option<&Mirror>,
-) -> usize {
-    let bodies: Vec<&Body> = parts.iter().flatten().map(|part| &part.piece.body).collect();
-    let count = bodies.len();
-    let total = if mirror.is_some() { 2 * count } else { count };
-    if total <= search.enough || search.is_over() {
-        return 0;
-    }
-    let middle = |body: &&Body| body.points.iter().sum::<DVec3>() / body.points.len().max(1) as f64;
-    let middles: Vec<DVec3> = bodies.iter().map(middle).collect();
-    let image = |i: usize| mirror.map_or(middles[i], |mirror| mirror.image(middles[i]));
-    let is_far = |p: DVec3, q: DVec3| far(search.field, p, q, search.bounds.limit).is_some();
-    let are_apart =
-        |i: usize, j: usize| mergers.get(&(i, j)).map_or_else(|| is_far(middles[i], middles[j]), Option::is_none);
-    let are_in_conflict = |i: usize, j: usize| match (i < count, j < count) {
-        (true, true) => are_apart(i, j),
-        // The images of both.
-        (false, false) => are_apart(i - count, j - count),
-        _ => is_far(middles[i], image(j - count)),
-    };
-    large_clique(total, are_in_conflict)
 }
 
 fn near_pairs(parts: &[Option<Part>], gap: f64) -> impl Iterator<Item = (usize, usize)> + '_ {
@@ -160,7 +101,7 @@ fn near_pairs(parts: &[Option<Part>], gap: f64) -> impl Iterator<Item = (usize, 
         parts.iter().enumerate().filter_map(|(i, part)| Some((i, part.as_ref()?))).collect();
     let is_near = move |a: &Part, b: &Part| {
         let [own, other] = [&a.piece.body, &b.piece.body];
-        a.shell == b.shell && own.low.cmple(other.high + gap).all() && other.low.cmple(own.high + gap).all()
+        a.component == b.component && own.low.cmple(other.high + gap).all() && other.low.cmple(own.high + gap).all()
     };
     (0..parts.len()).flat_map(move |j| {
         let (others, b) = (parts[..j].to_vec(), parts[j]);
@@ -188,7 +129,8 @@ fn merger(
 fn united(search: &PartitionSearch, a: &Piece, b: &Piece, body: &Body) -> Piece {
     let holds = |plane: &&HalfSpace| body.points.iter().all(|p| plane.height(*p) <= search.scale.tolerance());
     let planes = a.planes.iter().chain(&b.planes).filter(holds).copied().collect();
-    search.scale.piece([a.atoms.as_slice(), &b.atoms].concat(), planes, &[])
+    let corners = [a.corners.as_slice(), &b.corners].concat();
+    search.scale.piece([a.atoms.as_slice(), &b.atoms].concat(), corners, planes, &[])
 }
 
 /// How much bodies overlap. The sum of what pairs have in common is at least the sum of all volumes
@@ -197,17 +139,15 @@ fn united(search: &PartitionSearch, a: &Piece, b: &Piece, body: &Body) -> Piece 
 pub struct Overlap {
     volume: f64,
     common: f64,
-    /// The volume that they may have in common, relative to the volume of the union.
-    allowed: f64,
 }
 
 impl Overlap {
-    /// The overlap of bodies. The allowed overlap is the share `allowed` of the union's volume.
-    pub fn new<'a>(bodies: impl Iterator<Item = &'a Body>, allowed: f64) -> Self {
+    /// The overlap of bodies.
+    pub fn new<'a>(bodies: impl Iterator<Item = &'a Body>) -> Self {
         let bodies: Vec<&Body> = bodies.collect();
         let with_earlier = |j: usize| bodies[..j].iter().map(|a| common_volume(a, bodies[j])).sum::<f64>();
         let common = (0..bodies.len()).into_par_iter().map(with_earlier).collect::<Vec<f64>>().into_iter().sum();
-        Self { volume: bodies.iter().map(|body| body.volume()).sum(), common, allowed }
+        Self { volume: bodies.iter().map(|body| body.volume()).sum(), common }
     }
 
     /// The overlap after `own` bodies become `merged`; `None` if it grows beyond what is allowed.
@@ -225,9 +165,7 @@ impl Overlap {
         // Sums and differences of estimates.
         after.common = after.common.max(0.0);
         let union = (after.volume - after.common).max(0.0);
-        // Without a union, any share of it is allowed if there is no limit.
-        let is_allowed = after.allowed == f64::INFINITY || after.common <= after.allowed * union;
-        (is_allowed || after.common <= self.common).then_some(after)
+        (after.common <= OVERLAP * union || after.common <= self.common + SAME * union).then_some(after)
     }
 }
 

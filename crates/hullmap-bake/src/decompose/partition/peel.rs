@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::{
     context::PartitionSearch,
     cuts::{directions, faces, range},
+    links::Links,
     piece::{Above, Piece},
 };
 use hullmap_geometry::planes::HalfSpace;
@@ -42,16 +43,16 @@ type Cap = (f64, HalfSpace);
 /// The caps and the rest of a piece, at most `most`; `None` if there are more, or the time is over.
 pub fn peel(search: &PartitionSearch, piece: &Piece, along: Along, most: usize) -> Option<Vec<Piece>> {
     let scale = &search.scale;
-    let mut rest = piece.atoms.clone();
-    let mut planes = piece.planes.clone();
-    let mut forbidden = piece.forbidden.clone();
+    let mut rest = piece.clone();
     let mut found: Vec<Piece> = Vec::new();
     loop {
         if search.is_over() {
             return None;
         }
-        let pieces = scale.components(&rest).into_iter().map(|atoms| scale.piece(atoms, planes.clone(), &forbidden));
-        let (fine, bad): (Vec<Piece>, Vec<Piece>) = pieces.partition(|piece| search.beyond(piece).is_empty());
+        let planes = rest.planes.clone();
+        let mut known = rest.forbidden.clone();
+        let (fine, bad): (Vec<Piece>, Vec<Piece>) =
+            scale.parted(rest).into_iter().partition(|piece| search.beyond(piece).is_empty());
         found.extend(fine);
         if bad.is_empty() {
             return (found.len() <= most).then_some(found);
@@ -66,28 +67,20 @@ pub fn peel(search: &PartitionSearch, piece: &Piece, along: Along, most: usize) 
         if found.len() >= ENOUGH_TO_TELL && found.len() as f64 * (done + left) > MAX_EXCESS * most as f64 * done {
             return None;
         }
-        rest = bad.into_iter().flat_map(|piece| piece.atoms).collect();
-        let whole = scale.piece(rest.clone(), Vec::new(), &forbidden);
+        let corners = bad.iter().flat_map(|piece| &piece.corners).copied().collect();
+        let atoms = bad.into_iter().flat_map(|piece| piece.atoms).collect();
+        let whole = scale.piece(atoms, corners, planes, &known);
         let mut caps = Caps::new(search, &whole, along);
-        let (below, cap, plane) = (0..TRIED).map_while(|_| caps.next()).find_map(|plane| {
-            let [below, above] = scale.divided(&rest, &plane);
-            if below.is_empty() || above.is_empty() {
-                return None;
-            }
-            let back = plane.opposite();
-            let inside = [planes.as_slice(), &[back]].concat();
-            let cap: Vec<Piece> = scale
-                .components(&above)
-                .into_iter()
-                .map(|atoms| scale.piece(atoms, inside.clone(), &forbidden))
-                .collect();
+        let (below, cap) = (0..TRIED).map_while(|_| caps.next()).find_map(|plane| {
+            let [below, above] = scale.cut(&whole, &plane)?;
+            let cap = scale.parted(above);
             let beyond: Vec<DVec3> = cap.iter().flat_map(|piece| search.beyond(piece)).collect();
-            forbidden.extend_from_slice(&beyond);
-            beyond.is_empty().then_some((below, cap, plane))
+            known.extend_from_slice(&beyond);
+            beyond.is_empty().then_some((below, cap))
         })?;
         found.extend(cap);
-        planes.push(plane);
-        rest = below;
+        let forbidden = known.into_iter().filter(|p| scale.is_inside(&below.body, *p)).collect();
+        rest = Piece { forbidden, ..below };
     }
 }
 
@@ -129,7 +122,7 @@ impl Line {
 struct Caps<'a> {
     search: &'a PartitionSearch<'a>,
     whole: &'a Piece,
-    near: Vec<Vec<u32>>,
+    near: Links,
     lines: Vec<Line>,
 }
 
@@ -155,7 +148,7 @@ impl<'a> Caps<'a> {
             let both = faces(whole, scale, search.planes).flat_map(|plane| [plane, plane.opposite()]);
             lines.extend(both.map(|plane| Line::new(plane.normal, plane.offset, plane.offset, 2)));
         }
-        let mut caps = Self { search, whole, near: scale.neighbours(&whole.atoms), lines };
+        let mut caps = Self { search, whole, near: scale.links(&whole.atoms), lines };
         let most: Vec<f64> = caps.lines.par_iter().map(|line| caps.most(line)).collect();
         caps.lines.iter_mut().zip(most).for_each(|(line, most)| line.most = most);
         caps

@@ -1,17 +1,16 @@
 //! Pieces of the surface, and how planes divide them.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::body::{self, Body, Inner, MANY, ROUGH, THICKNESS};
+use super::atom::Atom;
+use super::body::{Body, Inner, MANY, ROUGH, THICKNESS};
 use super::extremes::Extremes;
-use crate::{
-    decompose::patch::Patch,
-    fit::triangle_tree::{Bounds, TriangleTree},
-    symmetry::Mirror,
-};
-use hullmap_geometry::planes::{self, HalfSpace};
+use super::field::Field;
+use super::links::{Links, shells};
+use crate::fit::SolidKind;
+use hullmap_geometry::planes::HalfSpace;
 
 /// Distance from a plane up to which a point counts as on it, relative to the diagonal.
 pub const ON_PLANE: f64 = 1e-9;
@@ -20,51 +19,30 @@ pub const ON_PLANE: f64 = 1e-9;
 /// gaps are part of the solid as far as the limit is concerned.
 const GAP: f64 = 0.1;
 
-/// A small patch that is not divided unless a plane cuts it.
-#[derive(Debug)]
-pub struct Atom {
-    /// The patch.
-    pub patch: Patch,
-    low: DVec3,
-    high: DVec3,
-    area: f64,
-    /// Sum of the polygons' normals, each as long as its area.
-    normal: DVec3,
-    /// The extremes of its points, once they are used.
-    extremes: OnceLock<Box<Extremes>>,
-}
+/// As [`GAP`], where the solid is walls: their two sides may be apart.
+const WALL_GAP: f64 = 0.5;
 
-impl Atom {
-    /// An atom of a patch.
-    pub fn new(patch: Patch) -> Self {
-        let (low, high) = body::bounds(&patch.points);
-        let mut atom = Self { patch, low, high, area: 0.0, normal: DVec3::ZERO, extremes: OnceLock::new() };
-        let normals: Vec<DVec3> = atom.triangles().map(|[a, b, c]| 0.5 * (b - a).cross(c - a)).collect();
-        (atom.area, atom.normal) = (normals.iter().map(|n| n.length()).sum(), normals.iter().sum());
-        atom
-    }
+/// Sum of the normals of a closed shell, relative to its area.
+const CLOSED: f64 = 1e-6;
 
-    /// Its mirror image, whose faces point outward, too.
-    pub fn image(&self, mirror: &Mirror) -> Self {
-        let polygons = &self.patch.polygons;
-        let image = |p: &DVec3| mirror.image(*p);
-        let polygons = polygons.iter().map(|polygon| polygon.iter().rev().map(image).collect()).collect();
-        Self::new(Patch { polygons, points: self.patch.points.iter().map(image).collect() })
-    }
+/// Distance from the hull of the surface up to which a corner adds nothing, relative to the
+/// diagonal.
+const NEAR_BODY: f64 = 1e-7;
 
-    /// The polygons as triangles.
-    pub fn triangles(&self) -> impl Iterator<Item = [DVec3; 3]> + '_ {
-        let fan = |p: &'_ Vec<DVec3>| planes::fan(p);
-        self.patch.polygons.iter().flat_map(fan)
-    }
-}
+/// Distance from a corner at which it is inside the solid, relative to the diagonal.
+const BESIDE: f64 = 1e-5;
 
-/// Atoms and their hull.
+/// Where a line through the solid is tested.
+const SEEN: [f64; 4] = [0.25, 0.5, 0.75, 0.97];
+
+/// Atoms, and their hull with the solid between them.
 #[derive(Clone, Debug)]
 pub struct Piece {
     /// The atoms.
     pub atoms: Vec<Arc<Atom>>,
-    /// Their hull.
+    /// Points of the solid's inside at which planes meet that bound the piece.
+    pub corners: Vec<DVec3>,
+    /// The hull of both.
     pub body: Body,
     /// Half-spaces that contain it.
     pub planes: Vec<HalfSpace>,
@@ -106,7 +84,8 @@ impl<'a> Cloud<'a> {
         Self { count: points.len(), groups: vec![Group::Rest(points)] }
     }
 
-    fn of_atoms(atoms: &'a [Arc<Atom>]) -> Self {
+    /// The points of atoms.
+    pub fn of_atoms(atoms: &'a [Arc<Atom>]) -> Self {
         let mut cloud = Self::default();
         atoms.iter().for_each(|atom| cloud.push(Group::Atom(atom)));
         cloud
@@ -122,7 +101,7 @@ impl<'a> Cloud<'a> {
         for group in &self.groups {
             match group {
                 Group::Atom(atom) => {
-                    found.add_all(atom.extremes.get_or_init(|| Box::new(Extremes::from_points(&atom.patch.points))));
+                    found.add_all(atom.extremes());
                 }
                 Group::Rest(points) => points.iter().for_each(|p| found.add(*p)),
             }
@@ -157,15 +136,17 @@ pub struct Above<'a> {
 }
 
 /// Lengths by which pieces are compared.
-#[derive(Clone, Copy, Debug)]
-pub struct Scale {
+#[derive(Clone, Copy)]
+pub struct Scale<'a> {
     /// Maximum distance of a piece's hull from the solid.
     pub limit: f64,
     /// Diagonal of the mesh.
     pub diagonal: f64,
+    /// Its solid.
+    pub field: &'a Field<'a>,
 }
 
-impl Scale {
+impl Scale<'_> {
     /// Distance from a plane up to which a point counts as on it.
     pub fn tolerance(&self) -> f64 {
         ON_PLANE * self.diagonal
@@ -174,11 +155,6 @@ impl Scale {
     /// The hull of points.
     pub fn body(&self, points: &[DVec3]) -> Body {
         Body::new(points, THICKNESS * self.diagonal)
-    }
-
-    /// The hull of atoms.
-    pub fn body_of_atoms(&self, atoms: &[Arc<Atom>]) -> Body {
-        self.body_of(&Cloud::of_atoms(atoms))
     }
 
     /// The hull of points.
@@ -207,10 +183,113 @@ impl Scale {
     }
 
     /// A piece. The points among `forbidden` that are inside its hull stay forbidden.
-    pub fn piece(&self, atoms: Vec<Arc<Atom>>, planes: Vec<HalfSpace>, forbidden: &[DVec3]) -> Piece {
-        let body = self.body_of_atoms(&atoms);
+    pub fn piece(
+        &self,
+        atoms: Vec<Arc<Atom>>,
+        corners: Vec<DVec3>,
+        planes: Vec<HalfSpace>,
+        forbidden: &[DVec3],
+    ) -> Piece {
+        let mut cloud = Cloud::of_atoms(&atoms);
+        let mut body = self.body_of(&cloud);
+        let is_outer = |p: &&DVec3| !body.holds(**p, NEAR_BODY * self.diagonal);
+        let outer: Vec<DVec3> = corners.iter().filter(is_outer).copied().collect();
+        if !outer.is_empty() {
+            cloud.push(Group::Rest(outer));
+            body = self.body_of(&cloud);
+        }
         let forbidden = forbidden.iter().copied().filter(|p| self.is_inside(&body, *p)).collect();
-        Piece { atoms, body, planes, forbidden }
+        Piece { atoms, corners, body, planes, forbidden }
+    }
+
+    /// The sides of a plane; `None` if one is empty.
+    pub fn cut(&self, piece: &Piece, plane: &HalfSpace) -> Option<[Piece; 2]> {
+        let [below, above] = self.divided(&piece.atoms, plane);
+        if below.is_empty() || above.is_empty() {
+            return None;
+        }
+        let side = |atoms: Vec<Arc<Atom>>, plane: HalfSpace| {
+            let planes = [piece.planes.as_slice(), &[plane]].concat();
+            let mut corners = piece.corners.clone();
+            corners.retain(|p| plane.height(*p) <= self.tolerance());
+            corners.extend(self.new_corners(&planes));
+            corners.retain(|p| self.sees(&atoms, *p));
+            self.piece(atoms, corners, planes, &piece.forbidden)
+        };
+        Some([side(below, *plane), side(above, plane.opposite())])
+    }
+
+    /// The points at which the last of some planes meets two others, if the solid is within all
+    /// planes there.
+    fn new_corners(&self, planes: &[HalfSpace]) -> Vec<DVec3> {
+        let mut found = Vec::new();
+        let Some((last, others)) = planes.split_last() else { return found };
+        for (index, first) in others.iter().enumerate() {
+            for second in &others[..index] {
+                let sides = [
+                    first.normal.cross(second.normal),
+                    second.normal.cross(last.normal),
+                    last.normal.cross(first.normal),
+                ];
+                let meet = |offsets: [f64; 3]| {
+                    let sum = offsets[2] * sides[0] + offsets[0] * sides[1] + offsets[1] * sides[2];
+                    sum / last.normal.dot(sides[0])
+                };
+                let p = meet([first.offset, second.offset, last.offset]);
+                let is_within = p.is_finite() && planes.iter().all(|plane| plane.height(p) <= self.tolerance());
+                let into = meet([-1.0; 3]).normalize_or_zero() * (BESIDE * self.diagonal);
+                if is_within && self.field.is_inside(p + into) {
+                    found.push(p);
+                }
+            }
+        }
+        found
+    }
+
+    /// The connected components of a piece.
+    pub fn parted(&self, piece: Piece) -> Vec<Piece> {
+        let components = self.components(&piece.atoms);
+        if components.len() == 1 {
+            return vec![piece];
+        }
+        let part = |atoms: Vec<Arc<Atom>>| {
+            let corners = piece.corners.iter().copied().filter(|p| self.sees(&atoms, *p)).collect();
+            self.piece(atoms, corners, piece.planes.clone(), &piece.forbidden)
+        };
+        components.into_iter().map(part).collect()
+    }
+
+    /// Whether the line from a point to the nearest corner of atoms is inside the solid.
+    fn sees(&self, atoms: &[Arc<Atom>], p: DVec3) -> bool {
+        let corners = atoms.iter().flat_map(|atom| &atom.patch.points);
+        let nearest = corners.min_by(|a, b| a.distance_squared(p).total_cmp(&b.distance_squared(p)));
+        nearest.is_some_and(|q| SEEN.iter().all(|t| self.field.is_inside(p.lerp(*q, *t))))
+    }
+
+    /// The pieces of a surface with which its division starts: each closed shell by itself. With
+    /// each, the index of the group of shells that touch it.
+    pub fn shells(&self, atoms: Vec<Arc<Atom>>, planes: &[HalfSpace], forbidden: &[DVec3]) -> Vec<(u32, Piece)> {
+        let links = self.links(&atoms);
+        let mut component_of = vec![0; atoms.len()];
+        for (group, members) in (0..).zip(links.groups(|_| true, |_| true)) {
+            members.iter().for_each(|atom| component_of[*atom as usize] = group);
+        }
+        let is_closed = |shell: &Vec<u32>| {
+            let all = || shell.iter().map(|atom| &atoms[*atom as usize]);
+            let normal: DVec3 = all().map(|atom| atom.normal).sum();
+            // A mirror plane closes halves of shells.
+            let open = planes.iter().fold(normal, |normal, plane| normal.reject_from_normalized(plane.normal));
+            open.length() <= CLOSED * all().map(|atom| atom.area).sum::<f64>()
+        };
+        let (mut pieces, rest): (Vec<Vec<u32>>, Vec<Vec<u32>>) = shells(&atoms).into_iter().partition(is_closed);
+        let mut is_open = vec![false; atoms.len()];
+        rest.iter().flatten().for_each(|atom| is_open[*atom as usize] = true);
+        pieces.extend(links.groups(|atom| is_open[atom as usize], |_| true));
+        let piece = |members: Vec<u32>| {
+            let own = members.iter().map(|atom| Arc::clone(&atoms[*atom as usize])).collect();
+            (component_of[members[0] as usize], self.piece(own, Vec::new(), planes.to_vec(), forbidden))
+        };
+        pieces.into_iter().map(piece).collect()
     }
 
     /// Whether a point is inside a body, not on its surface.
@@ -245,32 +324,25 @@ impl Scale {
         body.points.iter().any(|p| plane.height(*p).abs() <= GAP * self.limit)
     }
 
-    /// For each atom, its neighbours.
-    pub fn neighbours(&self, atoms: &[Arc<Atom>]) -> Vec<Vec<u32>> {
-        let gap = DVec3::splat(GAP * self.limit);
-        let tree = TriangleTree::of_boxes(atoms.iter().map(|atom| Bounds { low: atom.low, high: atom.high }));
-        let of = |(index, atom): (u32, &Arc<Atom>)| {
-            let around = Bounds { low: atom.low - gap, high: atom.high + gap };
-            let mut near = Vec::new();
-            tree.for_each(|bounds| bounds.touches(&around), |other| near.push(other));
-            near.retain(|other| *other != index);
-            near
-        };
-        (0..).zip(atoms).map(of).collect()
+    /// The links between atoms.
+    pub fn links(&self, atoms: &[Arc<Atom>]) -> Links {
+        let gap = if self.field.solid().kind() == SolidKind::Walls { WALL_GAP } else { GAP };
+        Links::new(atoms, self.field, gap * self.limit)
     }
 
     /// The connected components of atoms.
     pub fn components(&self, atoms: &[Arc<Atom>]) -> Vec<Vec<Arc<Atom>>> {
-        let lists = connected(&self.neighbours(atoms), &vec![true; atoms.len()]);
+        let lists = self.links(atoms).groups(|_| true, |_| true);
         lists.into_iter().map(|list| list.into_iter().map(|i| Arc::clone(&atoms[i as usize])).collect()).collect()
     }
 
     /// For each atom, the index of its connected component above a plane, or `u32::MAX` below it.
-    pub fn components_above(&self, atoms: &[Arc<Atom>], near: &[Vec<u32>], plane: &HalfSpace) -> Vec<u32> {
+    pub fn components_above(&self, atoms: &[Arc<Atom>], links: &Links, plane: &HalfSpace) -> Vec<u32> {
         let is_above: Vec<bool> = atoms.iter().map(|atom| heights(atom, plane).1 > self.tolerance()).collect();
         let mut component = vec![u32::MAX; atoms.len()];
-        for (c, list) in connected(near, &is_above).into_iter().enumerate() {
-            list.into_iter().for_each(|i| component[i as usize] = c as u32);
+        let groups = links.groups(|i| is_above[i as usize], |p| plane.height(p) >= -self.tolerance());
+        for (c, list) in (0..).zip(groups) {
+            list.into_iter().for_each(|i| component[i as usize] = c);
         }
         component
     }
@@ -286,7 +358,7 @@ impl Scale {
     }
 
     /// The connected components above a plane.
-    pub fn above<'a>(&self, atoms: &'a [Arc<Atom>], near: &[Vec<u32>], plane: &HalfSpace) -> Vec<Above<'a>> {
+    pub fn above<'b>(&self, atoms: &'b [Arc<Atom>], links: &Links, plane: &HalfSpace) -> Vec<Above<'b>> {
         let range: Vec<(f64, f64)> = atoms.iter().map(|atom| heights(atom, plane)).collect();
         let is_above: Vec<bool> = range.iter().map(|(_, high)| *high > self.tolerance()).collect();
         let collect = |list: Vec<u32>| {
@@ -304,7 +376,8 @@ impl Scale {
             }
             Above { points, area }
         };
-        connected(near, &is_above).into_iter().map(collect).collect()
+        let groups = links.groups(|i| is_above[i as usize], |p| plane.height(p) >= -self.tolerance());
+        groups.into_iter().map(collect).collect()
     }
 }
 
@@ -335,31 +408,15 @@ fn collect_above(polygon: &[DVec3], plane: &HalfSpace, points: &mut Vec<DVec3>) 
     }
 }
 
-fn connected(near: &[Vec<u32>], is_in: &[bool]) -> Vec<Vec<u32>> {
-    let mut is_left = is_in.to_vec();
-    let mut found = Vec::new();
-    for i in 0..is_left.len() {
-        if !std::mem::take(&mut is_left[i]) {
-            continue;
-        }
-        let mut list = vec![i as u32];
-        let mut at = 0;
-        while let Some(&next) = list.get(at) {
-            list.extend(near[next as usize].iter().filter(|j| std::mem::take(&mut is_left[**j as usize])));
-            at += 1;
-        }
-        list.sort_unstable();
-        found.push(list);
-    }
-    found
-}
-
 #[cfg(test)]
 mod tests {
     use shapes::{concave, rng::SplitMix64};
 
     use super::*;
-    use crate::decompose::tests::point_set;
+    use crate::{
+        decompose::{partition::body::bounds, patch::Patch, tests::point_set},
+        fit::Solid,
+    };
 
     #[test]
     fn bodies_of_clouds_are_those_of_their_points() {
@@ -372,9 +429,11 @@ mod tests {
             let polygons: Vec<Vec<DVec3>> = mesh.triangles.iter().map(|t| t.iter().map(corner).collect()).collect();
             let atom = |some: &[Vec<DVec3>]| Arc::new(Atom::new(Patch::new(some.to_vec()).unwrap()));
             let atoms: Vec<Arc<Atom>> = polygons.chunks(5).map(atom).collect();
-            let (low, high) = body::bounds(&polygons.concat());
-            let scale = Scale { limit: 0.01 * high.distance(low), diagonal: high.distance(low) };
-            let near = scale.neighbours(&atoms);
+            let (low, high) = bounds(&polygons.concat());
+            let solid = Solid::new(&mesh);
+            let field = Field::new(&solid);
+            let scale = Scale { limit: 0.01 * high.distance(low), diagonal: high.distance(low), field: &field };
+            let near = scale.links(&atoms);
             for round in 0..40 {
                 let mut inside = || low + (high - low) * DVec3::from_array(std::array::from_fn(|_| rng.unit()));
                 let (a, b) = (inside(), inside());

@@ -6,9 +6,6 @@ use hullmap_geometry::triangle::halves;
 use super::body::Body;
 use crate::spread::spread;
 
-/// Maximum number of points of which those far apart are chosen.
-const USED: usize = 4096;
-
 /// Up to `count` points on the faces of a body: middles of triangles, which are halved along their
 /// longest edges, the largest first, down to edges of length `spacing`.
 pub fn face_points(body: &Body, count: usize, spacing: f64) -> Vec<DVec3> {
@@ -31,24 +28,6 @@ pub fn face_points(body: &Body, count: usize, spacing: f64) -> Vec<DVec3> {
             }
         }
         level = next;
-    }
-    found
-}
-
-/// At most `count` of the points, each as far as possible from those before it, in O(n + `count`).
-/// Many points are thinned evenly.
-pub fn far_apart(points: &[DVec3], count: usize) -> Vec<DVec3> {
-    let stride = points.len().div_ceil(USED).max(1);
-    let mut left: Vec<(f64, DVec3)> = points.iter().step_by(stride).map(|p| (f64::INFINITY, *p)).collect();
-    let mut found: Vec<DVec3> = Vec::new();
-    while found.len() < count {
-        let Some((distance, next)) = left.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-        // Written so that NaN ends the search.
-        if !(distance > 0.0) {
-            break;
-        }
-        left.iter_mut().for_each(|(distance, p)| *distance = distance.min(p.distance_squared(next)));
-        found.push(next);
     }
     found
 }

@@ -68,14 +68,14 @@ pub struct Part {
     pub hull: Hull,
     /// Proven bound on the hull's protrusion; infinite if it is not known.
     pub bound: f64,
-    /// The shell that it belongs to.
-    pub shell: Shell,
+    /// The component that it belongs to.
+    pub component: Component,
 }
 
-/// A connected surface, apart from all others: no part holds several.
+/// Shells that touch or cross, apart from all others: no part holds several such components.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Shell {
-    /// Index of the shell.
+pub struct Component {
+    /// Index of the component.
     pub index: u32,
     /// Whether it reaches the mirror plane, so that it is its own image.
     pub meets_mirror: bool,

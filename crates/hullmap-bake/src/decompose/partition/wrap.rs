@@ -154,7 +154,10 @@ pub fn tight(points: &[DVec3], diagonal: f64, thickness: f64) -> Option<Hull> {
             let near = p[axis] as f32;
             let rounded = f64::from(near);
             let is_up = p[axis] > m[axis];
-            (if rounded < p[axis] && is_up {
+            // Rounding puts cut points off a face, which is no reason to leave it.
+            (if (rounded - p[axis]).abs() <= HELD * diagonal {
+                near
+            } else if rounded < p[axis] && is_up {
                 near.next_up()
             } else if rounded > p[axis] && !is_up {
                 near.next_down()

@@ -191,9 +191,6 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
     out.line(format_args!("  bytes              {}", grouped(report.bytes)))?;
     out.line(format_args!("  source             {} (xxh3 {})", report.source, report.source_hash))?;
     out.line(format_args!("  options            {}", BuildOptions::recorded_in_words(&report.options)))?;
-    let cover = BuildOptions::recorded_cover(&report.options);
-    let reachable =
-        cover.and_then(|cover| cover.reachable).map(|radius| format!("a ball of radius {radius} can get from outside"));
     for warning in &report.warnings {
         out.line(format_args!("  warning            {warning}"))?;
     }
@@ -225,7 +222,7 @@ fn write_text(report: &PackDescription, out: &mut Output) -> Result<(), Failure>
             out.line(format_args!("  mesh               mass unknown: {}", no_mass(report, hull)))?;
         }
         if hull.part_count > 0 {
-            write_part(hull, reachable.as_deref(), out)?;
+            write_part(hull, out)?;
         }
         if hull.origin != [0.0; 3] {
             out.line(format_args!("  origin             {} in the source", hull.origin.map(rounded).join(" ")))?;
@@ -257,7 +254,7 @@ fn no_mass(report: &PackDescription, hull: &HullDescription) -> &'static str {
     }
 }
 
-fn write_part(hull: &HullDescription, reachable: Option<&str>, out: &mut Output) -> Result<(), Failure> {
+fn write_part(hull: &HullDescription, out: &mut Output) -> Result<(), Failure> {
     let symmetric = hull.symmetry.map_or_else(String::new, |plane| format!(", symmetric about {}", plane.in_words()));
     out.line(format_args!("  part               {} of {} of its object{symmetric}", hull.part, hull.part_count))?;
     let (Some(solid), Some(uncovered), Some(protrusion), Some(at)) =
@@ -277,8 +274,5 @@ fn write_part(hull: &HullDescription, reachable: Option<&str>, out: &mut Output)
         let BodyPrimitive { kind, protrusion, .. } = primitive;
         out.line(format_args!("  primitive          {kind}, protrudes by at most {}", short(*protrusion)))?;
     }
-    match reachable {
-        Some(words) => Ok(out.line(format_args!("  reachable          protrusion counts where {words}"))?),
-        None => Ok(()),
-    }
+    Ok(())
 }

@@ -151,7 +151,6 @@ fn estimates(found: PartsEstimates) -> report::PartsEstimates {
         outside_hull: found.outside_hull,
         voids: found.voids,
         voids_error: found.voids_error,
-        filled: found.filled,
         symmetry: found.symmetry.map(|plane| plane.in_words()),
     }
 }

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 
 use hullmap::{Hull, Pack, SupportMap};
 use hullmap_bake::advice::{self, HullMeasures, PartsFit, Remark};
-use hullmap_bake::decompose::Length;
 use hullmap_report::input::Remarks;
 
 use hullmap_pipeline::options::BuildOptions;
@@ -25,11 +24,10 @@ pub fn remarks(
     }
     let hulls: Vec<Hull> = pack.hulls().collect();
     let cover = BuildOptions::recorded_cover(pack.options());
-    let reachable = cover.and_then(|cover| cover.reachable);
     let mut found = Vec::new();
     // The parts of one object follow one another; the first has part number 0.
     for parts in hulls.chunk_by(|_, next| next.part() > 0) {
-        found.extend(about_object(parts, source.is_some(), reachable, estimates, &mut remarks.warnings));
+        found.extend(about_object(parts, source.is_some(), estimates, &mut remarks.warnings));
     }
     let is_decomposed = cover.is_some();
     found.extend(hulls.iter().flat_map(|hull| about_hull(hull, is_decomposed && hull.part_count() > 1)));
@@ -45,7 +43,6 @@ pub fn remarks(
 fn about_object(
     parts: &[Hull],
     has_source: bool,
-    reachable: Option<Length>,
     estimates: &BTreeMap<String, String>,
     warnings: &mut Vec<String>,
 ) -> Option<Remark> {
@@ -59,7 +56,7 @@ fn about_object(
     }
     let size = parts.iter().map(Hull::diameter).fold(0.0, f64::max);
     let words = estimates.get(name).map(String::as_str);
-    is_cut.then(|| advice::parts(name, parts.len(), fit(parts), size, reachable, words))
+    is_cut.then(|| advice::parts(name, parts.len(), fit(parts), size, words))
 }
 
 fn fit(parts: &[Hull]) -> Option<PartsFit> {

@@ -16,7 +16,7 @@ use hullmap_pipeline::options::value::Value;
 use hullmap_pipeline::outcome::Failure;
 
 /// Options that are lengths of the robot, in metres.
-const LENGTHS: [&str; 3] = ["max_error", "wall", "reachable"];
+const LENGTHS: [&str; 2] = ["max_error", "wall"];
 
 #[derive(Debug)]
 pub enum Choice {
