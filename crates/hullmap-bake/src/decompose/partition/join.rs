@@ -38,9 +38,9 @@ struct Merger {
     body: Body,
 }
 
-/// Merges parts while merged parts are within the limit and all parts overlap by at most
-/// [`OVERLAP`] of their union's volume, down to `wanted` parts; free mergers go on. Builds one hull
-/// for each pair of nearby parts, including merged parts.
+/// Merges parts while merged parts are within the limit and all parts overlap by at most 5 % of
+/// their union's volume, down to `wanted` parts; free mergers go on. Builds one hull for each pair
+/// of nearby parts, including merged parts.
 pub fn merge(search: &PartitionSearch, parts: Vec<Part>, forbidden: &mut Vec<DVec3>, wanted: usize) -> Vec<Part> {
     if parts.len() > MANY {
         return parts;
