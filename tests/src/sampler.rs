@@ -112,15 +112,20 @@ fn is_within(triangles: &[[DVec3; 3]], p: DVec3, length: f64) -> bool {
     triangles.iter().any(|triangle| to_triangle(triangle) <= length)
 }
 
-/// Whether the solid angles of the triangles amount to more than a quarter of a turn: generous, so
-/// that no claim is called false at an open mesh, whose inside is a convention.
+/// Whether the solid angles of the triangles amount to more than a quarter of a turn, or a ray meets
+/// an odd number of triangles: generous, so that no claim is called false where a triangle faces the
+/// other way than its surface.
 fn is_inside(triangles: &[[DVec3; 3]], p: DVec3) -> bool {
-    let mut sum = 0.0;
+    let (mut sum, mut crossings) = (0.0, 0);
+    let ray = DVec3::new(0.36, 0.48, 0.8);
     for [a, b, c] in triangles.iter().map(|t| t.map(|corner| corner - p)) {
         let [la, lb, lc] = [a.length(), b.length(), c.length()];
         sum += 2.0 * f64::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+        let sides = [a.cross(b), b.cross(c), c.cross(a)].map(|side| side.dot(ray) > 0.0);
+        let is_ahead = a.dot(b.cross(c)) * (b - a).cross(c - a).dot(ray) > 0.0;
+        crossings += usize::from(is_ahead && sides[0] == sides[1] && sides[1] == sides[2]);
     }
-    (sum / (4.0 * std::f64::consts::PI)).abs() > 0.25
+    (sum / (4.0 * std::f64::consts::PI)).abs() > 0.25 || crossings % 2 == 1
 }
 
 #[cfg(test)]
@@ -156,6 +161,11 @@ mod tests {
             let mut fits = fits(&set, &[&hull], None).unwrap();
             let hulls = [hull];
             assert_eq!(refutation(&set, &hulls, &fits, 20_000, 1), None);
+            for at in 0..set.triangles.len() {
+                let mut turned = set.clone();
+                turned.triangles[at].swap(0, 1);
+                assert_eq!(refutation(&turned, &hulls, &fits, 5_000, 1), None, "triangle {at}");
+            }
             assert!(fits[0].uncovered > 0.5 || fits[0].protrusion > 0.5, "{fits:?}");
             fits[0].uncovered *= 0.9;
             fits[0].protrusion *= 0.9;

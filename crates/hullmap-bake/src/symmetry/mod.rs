@@ -32,11 +32,14 @@ pub fn mirror_of_mesh(mesh: &PointSet, solid: &Solid) -> Option<Mirror> {
         let step = mesh.triangles.len().div_ceil(MAX_TRIANGLES);
         mesh.triangles.iter().step_by(step.max(1)).all(|corners| {
             let corners = corners.map(|v| DVec3::from_array(mesh.positions[v as usize].map(f64::from)));
-            let image = mirror.image(triangle::centroid(&corners));
+            let centre = triangle::centroid(&corners);
             let within = 2.0 * (search::tolerance(&points) + solid.tolerance());
-            solid
-                .near(image, within)
-                .is_some_and(|near| triangle::nearest(&near.triangle, image).distance(image) <= within)
+            // The image of one point could lie on the edge of a hole.
+            std::iter::once(centre).chain(corners.map(|p| p.midpoint(centre))).all(|p| {
+                let image = mirror.image(p);
+                let near = solid.near(image, within);
+                near.is_some_and(|near| triangle::nearest(&near.triangle, image).distance(image) <= within)
+            })
         })
     };
     search::mirrors(&points).into_iter().find(is_mirrored)

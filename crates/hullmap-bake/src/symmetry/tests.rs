@@ -87,6 +87,19 @@ fn symmetric_vertices_may_have_a_surface_that_is_not() {
     }
 }
 
+/// Regression: the reflected centroid lies on the edge of the hole, and counted as on the surface.
+#[test]
+fn a_box_without_one_triangle_is_not_symmetric() {
+    let whole = point_set(&shapes::solids::extrusion(&[[0.0, 0.0], [1.0, 0.0], [1.0, 2.0], [0.0, 2.0]], 0.0, 3.0));
+    let planes = |mesh: &PointSet| mirror_of_mesh(mesh, &Solid::by(mesh, crate::fit::SolidRule::Walls));
+    assert!(planes(&whole).is_some());
+    for missing in 0..whole.triangles.len() {
+        let mut open = whole.clone();
+        open.triangles.remove(missing);
+        assert!(planes(&open).is_none(), "{missing}");
+    }
+}
+
 #[test]
 fn parts_need_images_and_not_only_vertices() {
     let part = |x: [f32; 2]| -> Vec<[f32; 3]> {
