@@ -102,7 +102,8 @@ mod tests {
                 let hulls: Vec<Hull> = parts.iter().map(|part| hull::build(part).unwrap()).collect();
                 let fits = fits_around(&cover.solid_of(&mesh), &mesh, &hulls.iter().collect::<Vec<_>>(), None, None);
                 let reached = fits.unwrap().iter().map(|fit| fit.protrusion).fold(0.0, f64::max);
-                assert!(reached <= 1.05 * point.protrusion.unwrap(), "{reached} with {point:?}");
+                let accuracy = 1e-5 * cover.solid_of(&mesh).diagonal();
+                assert!(reached <= 1.05 * point.protrusion.unwrap() + accuracy, "{reached} with {point:?}");
             }
         }
     }

@@ -25,6 +25,7 @@ mod alone;
 mod convex;
 mod curve;
 mod finish;
+mod frame;
 mod parameters;
 mod part;
 pub mod partition;
@@ -35,6 +36,7 @@ mod search;
 pub use alone::vertices_of_one_part;
 use convex::is_convex;
 pub use curve::{CurvePoint, curve};
+use frame::Frame;
 pub use parameters::{Cover, Length};
 use part::SourceVertices;
 use partition::{few, field::Field};
@@ -86,6 +88,8 @@ fn decompose_by(
     if hull.rank < 3 || mesh.triangles.is_empty() || is_whole {
         return Ok(None);
     }
+    let frame = Frame::new(mesh);
+    let mesh = &frame.of_mesh(mesh);
     let vertices = SourceVertices::new(mesh);
     let max_vertices = (parameters.max_vertices as usize).max(simplify::MIN_VERTICES);
     let solid = Solid::by(mesh, parameters.solid);
@@ -95,9 +99,15 @@ fn decompose_by(
         let field = Field::new(&solid);
         Search { mesh, vertices: &vertices, field, parameters, max_vertices, deadline, stage }.hulls()
     };
-    let hulls = found.unwrap_or_else(|| vec![few::within_vertices(hull, max_vertices)]);
+    let hulls = match found {
+        Some(hulls) => hulls,
+        None => vec![few::within_vertices(hull::build(mesh)?, max_vertices)],
+    };
     stage.reach(1.0);
-    let named = |(index, hull)| PointSet { name: format!("{}_part_{index:02}", mesh.name), ..vertices.part(hull) };
+    let named = |(index, hull)| PointSet {
+        name: format!("{}_part_{index:02}", mesh.name),
+        ..frame.part_in_source(vertices.part(hull))
+    };
     Ok(Some(hulls.iter().enumerate().map(named).collect()))
 }
 

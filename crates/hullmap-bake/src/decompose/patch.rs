@@ -12,12 +12,15 @@ use hullmap_geometry::{
 #[derive(Clone, Debug)]
 pub struct Patch {
     pub polygons: Vec<Vec<DVec3>>,
+    /// The corners, each once.
     pub points: Vec<DVec3>,
 }
 
 impl Patch {
     pub fn new(polygons: Vec<Vec<DVec3>>) -> Option<Self> {
-        let points = polygons.concat();
+        let mut points = polygons.concat();
+        points.sort_unstable_by_key(|p| bits(*p));
+        points.dedup_by_key(|p| bits(*p));
         (!points.is_empty()).then_some(Self { polygons, points })
     }
 

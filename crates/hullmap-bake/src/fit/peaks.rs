@@ -61,6 +61,7 @@ impl Peaks {
             // The maximum may be higher than it is measured.
             let least = above * (1.0 - 1e-9);
             if near.distance + radius <= least
+                || near.bound_in_box(centre, half) <= least
                 || near.gap > radius && solid.is_inside(centre)
                 || is_none_in_box(solid, centre, half, &near, least)
             {

@@ -426,6 +426,9 @@ impl CavitySearch<'_> {
         cell.hint = Some(near.triangle);
         cell.within = near.distance + radius;
         let mut bound = from_surface.min(near.distance + radius);
+        if bound > self.enough {
+            bound = bound.min(near.bound_in_box(centre, half));
+        }
         if bound > self.enough && peaks::is_none_in_box(self.solid, centre, half, &near, self.enough) {
             return is_inside;
         }

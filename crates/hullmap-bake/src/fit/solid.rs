@@ -78,6 +78,20 @@ pub struct Near {
     pub is_whole: bool,
 }
 
+impl Near {
+    /// Upper bound on the distance from the solid of all points of a box around the point. The
+    /// distance from a triangle is a convex function, so it is greatest at a corner.
+    pub fn bound_in_box(&self, centre: DVec3, half: DVec3) -> f64 {
+        let by_radius = self.distance + half.length();
+        if !self.is_whole {
+            return by_radius;
+        }
+        let corner = |i: usize| centre + half * DVec3::from_array([0, 1, 2].map(|axis| [-1.0, 1.0][i >> axis & 1]));
+        let distance = |p: DVec3| triangle::nearest(&self.triangle, p).distance(p);
+        (0..8).map(|i| distance(corner(i))).fold(self.distance, f64::max).min(by_radius)
+    }
+}
+
 impl Solid {
     /// The solid of a mesh, by the rule [`Auto`](SolidRule::Auto). The positions must be finite.
     ///

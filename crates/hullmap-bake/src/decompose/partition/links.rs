@@ -42,10 +42,9 @@ impl Links {
     pub fn new(atoms: &[Arc<Atom>], field: &Field, gap: f64) -> Self {
         let mut keyed: Vec<([u64; 3], u32)> = Vec::new();
         for (index, atom) in (0..).zip(atoms) {
-            keyed.extend(atom.patch.polygons.iter().flatten().map(|p| (bits(*p), index)));
+            keyed.extend(atom.patch.points.iter().map(|p| (bits(*p), index)));
         }
         keyed.sort_unstable();
-        keyed.dedup();
         let shared = keyed.chunk_by(|a, b| a.0 == b.0).filter(|run| run.len() > 1);
         let corner = |run: &[([u64; 3], u32)]| Corner {
             at: DVec3::from_array(run[0].0.map(f64::from_bits)),

@@ -1,6 +1,6 @@
 //! Pieces of the surface, and how planes divide them.
 
-use std::sync::Arc;
+use std::{cell::LazyCell, sync::Arc};
 
 use glam::DVec3;
 
@@ -166,15 +166,19 @@ impl Scale<'_> {
     pub fn is_free(&self, points: &Cloud, forbidden: &[DVec3]) -> bool {
         let extremes = points.extremes();
         let slack = 2.0 * THICKNESS * self.diagonal;
-        let near: Vec<DVec3> = forbidden.iter().filter(|p| extremes.may_hold(**p, slack)).copied().collect();
-        if near.is_empty() {
-            return true;
+        // A smaller hull's points are in the hull, too.
+        let small = LazyCell::new(|| self.body(&extremes.few_points()));
+        let mut near = Vec::new();
+        for p in forbidden.iter().copied().filter(|p| extremes.may_hold(*p, slack)) {
+            if self.is_inside(&small, p) {
+                return false;
+            }
+            near.push(p);
         }
         let is_free = |body: &Body| !near.iter().any(|p| self.is_inside(body, *p));
-        // A smaller hull's points are in the hull, too.
-        is_free(&self.body(&extremes.few_points()))
-            && (points.count < ROUGH || is_free(&self.body(&extremes.points())))
-            && is_free(&points.body(THICKNESS * self.diagonal, || extremes))
+        near.is_empty()
+            || (points.count < ROUGH || is_free(&self.body(&extremes.points())))
+                && is_free(&points.body(THICKNESS * self.diagonal, || extremes.clone()))
     }
 
     /// A body in the hull of points that is nearly as large. `None` if it would be the hull.
