@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import inspect
 import logging
+import pickle
+import warnings
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -105,19 +108,111 @@ def test_numbers_of_parts_and_vertices_are_limited():
     assert outside([small], ball.vertices) < 1e-6
 
 
-def test_arguments_without_effect_are_accepted_and_stated(monkeypatch):
+#: Values that are not the defaults of arguments without effect.
+WITHOUT_EFFECT = dict(
+    preprocess_mode="on", preprocess_resolution=30, resolution=1000, mcts_nodes=10, mcts_iterations=60,
+    mcts_max_depth=2, pca=1, merge=False, extrude=True, seed=7,
+)  # fmt: skip
+
+
+def warnings_of(mesh, **arguments):
+    """The warnings of a call, and its parts."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        parts = coacd.run_coacd(mesh, **arguments)
+    assert all(warning.category is hullmap.BakeWarning for warning in caught)
+    return [str(warning.message) for warning in caught], parts
+
+
+def test_arguments_without_effect_are_named_once(monkeypatch):
     monkeypatch.setattr(coacd, "_WARNED", set())
     mesh = coacd.Mesh(CUBE, CUBE_FACES)
-    silent = dict(preprocess_mode="on", preprocess_resolution=30, resolution=1000, mcts_nodes=10, mcts_iterations=60)
-    expected = coacd.run_coacd(mesh)[0][0]
-    assert np.array_equal(coacd.run_coacd(mesh, mcts_max_depth=2, pca=True, seed=7, **silent)[0][0], expected)
-    for argument, value in (("merge", False), ("extrude", True)):
-        with pytest.warns(hullmap.BakeWarning, match=argument):
-            coacd.run_coacd(mesh, **{argument: value})
-        # Once: warnings are errors in these tests.
-        coacd.run_coacd(mesh, **{argument: value})
+    none, ((expected, _),) = warnings_of(mesh)
+    assert none == []
+    for argument, value in WITHOUT_EFFECT.items():
+        (text,), ((vertices, _),) = warnings_of(mesh, **{argument: value})
+        assert text.startswith(f"arguments without effect: {argument} ("), text
+        assert np.array_equal(vertices, expected)
+        assert warnings_of(mesh, **{argument: value})[0] == [], "once"
+    assert warnings_of(mesh, **WITHOUT_EFFECT)[0] == []
     for argument in inspect.signature(coacd.run_coacd).parameters:
         assert f"``{argument}" in coacd.run_coacd.__doc__ or argument == "mesh", argument
+
+
+def test_a_call_names_its_arguments_without_effect_in_one_warning(monkeypatch):
+    monkeypatch.setattr(coacd, "_WARNED", set())
+    mesh = coacd.Mesh(CUBE, CUBE_FACES)
+    with pytest.warns(hullmap.BakeWarning) as caught:
+        coacd.run_coacd(mesh, seed=7)
+    assert caught[0].filename == __file__, "the line of the call"
+    (text,), _ = warnings_of(mesh, **WITHOUT_EFFECT, extrude_margin=0.02)
+    assert all(argument in text for argument in (*WITHOUT_EFFECT, "extrude_margin") if argument != "seed")
+    assert "seed" not in text, "it was named before"
+
+
+def test_values_that_ask_for_nothing_else_are_no_warning(monkeypatch):
+    monkeypatch.setattr(coacd, "_WARNED", set())
+    mesh = coacd.Mesh(CUBE, CUBE_FACES)
+    defaults = {name: own.default for name, own in inspect.signature(coacd.run_coacd).parameters.items() if name != "mesh"}
+    assert warnings_of(mesh, **defaults)[0] == []
+    # As numbers of other types.
+    same = dict(pca=0, merge=np.True_, seed=np.int64(0), mcts_nodes=np.int32(20), threshold=np.float32(0.05))
+    assert warnings_of(mesh, **same)[0] == []
+    # Meshes are never remeshed. CoACD, too, ignores these two without decimate and extrude.
+    assert warnings_of(mesh, preprocess_mode="off", max_ch_vertex=64, extrude_margin=0.02)[0] == []
+
+
+def test_forms_of_a_mesh():
+    mesh = ring()
+    expected = coacd.run_coacd(mesh)
+    empty, lists = coacd.Mesh(), coacd.Mesh()
+    empty.vertices, empty.indices = mesh.vertices, mesh.indices.astype(np.int64)
+    lists.vertices, lists.indices = mesh.vertices.tolist(), mesh.indices.tolist()
+    named = coacd.Mesh(vertices=np.asfortranarray(mesh.vertices), indices=mesh.indices.astype(np.uint64))
+    for form in (empty, lists, named):
+        for part, own in zip(coacd.run_coacd(mesh=form), expected):
+            assert np.array_equal(part[0], own[0]) and np.array_equal(part[1], own[1])
+    floats = coacd.Mesh(mesh.vertices.astype(np.float32), mesh.indices.astype(np.uint32))
+    assert floats.vertices.dtype == np.float64 and floats.indices.dtype == np.int32
+    assert len(coacd.run_coacd(floats, 0.05, -1, "auto", 50, 2000, 20, 150, 3, False, True, False, 256)) > 3
+
+
+def test_options_of_scripts(monkeypatch):
+    monkeypatch.setattr(coacd, "_WARNED", set())
+    mesh = ring()
+    expected = coacd.run_coacd(mesh)
+    # A table of options, with words that CoACD takes as "auto".
+    table = dict(threshold=0.05, max_convex_hull=-1, mcts_iterations=100, pca=True, merge=False, extrude=True, extrude_margin=0.1)
+    for mode in ("on", "off", "auto", "none", True):
+        parts = warnings_of(mesh, preprocess_mode=mode, **table)[1]
+        assert len(parts) == len(expected) and all(np.array_equal(part[0], own[0]) for part, own in zip(parts, expected))
+    for limit in (1, 4):
+        _, parts = warnings_of(mesh, max_convex_hull=np.int64(limit), merge=False)
+        assert len(parts) <= limit
+    assert len(coacd.run_coacd(mesh, max_convex_hull=0)) == len(expected)
+    # Threads share the module.
+    with ThreadPoolExecutor(3) as pool:
+        counts = set(pool.map(lambda threshold: len(coacd.run_coacd(mesh, threshold=threshold)), [0.05] * 3))
+    assert counts == {len(expected)}
+
+
+def test_parts_can_be_changed_and_pickled():
+    parts = coacd.run_coacd(ring())
+    for (vertices, faces), (same, _) in zip(parts, pickle.loads(pickle.dumps(parts))):
+        assert np.array_equal(vertices, same)
+        vertices *= 1.005
+        faces += 1
+
+
+def test_parts_are_meshes_of_trimesh():
+    trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
+    vertices, faces = torus(18, 6)
+    source = trimesh.Trimesh(vertices, np.concatenate((faces[:, [0, 1, 2]], faces[:, [0, 2, 3]])))
+    parts = [trimesh.Trimesh(vs, fs) for vs, fs in coacd.run_coacd(coacd.Mesh(source.vertices, source.faces))]
+    assert all(part.is_volume and part.volume > 0 for part in parts)
+    assert np.allclose(trimesh.util.concatenate(parts).bounds, source.bounds, atol=0.05 * 2.7 / 2)
+    scene = trimesh.Scene(parts)
+    assert len(scene.export(file_type="glb")) > 0 and len(scene.export(file_type="obj")) > 0
 
 
 def test_wrong_arguments_are_errors():
@@ -125,9 +220,8 @@ def test_wrong_arguments_are_errors():
     for threshold in (0, -1.0, float("nan"), float("inf")):
         with pytest.raises(hullmap.BakeError, match="threshold"):
             coacd.run_coacd(mesh, threshold=threshold)
-    for argument, wrong in (("apx_mode", dict(apx_mode="sphere")), ("preprocess_mode", dict(preprocess_mode="bad"))):
-        with pytest.raises(hullmap.BakeError, match=argument):
-            coacd.run_coacd(mesh, **wrong)
+    with pytest.raises(hullmap.BakeError, match="apx_mode"):
+        coacd.run_coacd(mesh, apx_mode="sphere")
     with pytest.raises(hullmap.BakeError, match="max_ch_vertex"):
         coacd.run_coacd(mesh, decimate=True, max_ch_vertex=3)
     with pytest.raises(hullmap.ArrayError, match="vertices"):
@@ -150,6 +244,8 @@ def test_levels_of_the_log(caplog):
         coacd.set_log_level("off")
         coacd.run_coacd(ring())
         assert not caplog.records
+        for name in ("critical", "error", "err", "warn", "warning", "debug"):
+            coacd.set_log_level(name)
         with pytest.raises(ValueError, match="loud"):
             coacd.set_log_level("loud")
     finally:

@@ -16,10 +16,11 @@ concavity and tree search", SIGGRAPH 2022; https://github.com/SarahWeiii/CoACD.
 
 from __future__ import annotations
 
+import inspect
 import logging
 import math
 import warnings
-from typing import Dict, List, Set
+from typing import Dict, List, Mapping, Set
 
 import numpy as np
 import numpy.typing as npt
@@ -34,6 +35,7 @@ _LEVELS: Dict[str, int] = {
     "off": logging.CRITICAL + 10,
     "critical": logging.CRITICAL,
     "error": logging.ERROR,
+    "err": logging.ERROR,
     "warn": logging.WARNING,
     "warning": logging.WARNING,
     "info": logging.INFO,
@@ -41,7 +43,17 @@ _LEVELS: Dict[str, int] = {
     "trace": logging.DEBUG,
 }
 
-# Arguments about which this process was warned.
+# Arguments without effect, by the reason.
+_WITHOUT_EFFECT = {
+    "a mesh is not remeshed": ["preprocess_mode", "preprocess_resolution"],
+    "nothing is sampled": ["resolution", "seed"],
+    "there is no tree search": ["mcts_nodes", "mcts_iterations", "mcts_max_depth"],
+    "directions of cuts come from the mesh": ["pca"],
+    "parts are always merged where the threshold allows it": ["merge"],
+    "parts are not extruded, so extrude_margin has no effect either": ["extrude"],
+}
+
+# Those of them about which this process was warned.
 _WARNED: Set[str] = set()
 
 
@@ -105,31 +117,29 @@ def run_coacd(
     - ``apx_mode="box"``: each part is replaced by a box around it, with the axes of one of its triangles for
       which the volume is smallest. Boxes contain the surface, but may protrude more than ``threshold``.
 
-    These are accepted and have no effect:
+    These have no effect. A `BakeWarning` names those that are not at their default, each once in a process:
 
-    - ``preprocess_mode`` (auto, on or off), ``preprocess_resolution``: a mesh is not remeshed, and need
-      not be a manifold. Its holes are closed first, so openings become solid.
+    - ``preprocess_mode``, ``preprocess_resolution``: a mesh is not remeshed, as with "off", which
+      gives no warning. It need not be a manifold. An open mesh is taken as its walls, so bodies can enter it,
+      if half of its area has faces on both sides, or if a hole has more than an eighth of its area. Other
+      holes are closed.
     - ``resolution``, ``seed``: nothing is sampled. The same arguments give the same parts.
     - ``mcts_nodes``, ``mcts_iterations``, ``mcts_max_depth``: there is no tree search.
     - ``pca``: directions of cuts come from the mesh.
-    - ``merge=False``, ``extrude=True`` with ``extrude_margin``: parts are always merged where the bound
-      allows it, and are not extruded. Each of these would change the result, so the first use of each is
-      a `BakeWarning`.
+    - ``merge``: parts are always merged where the threshold allows it.
+    - ``extrude``, ``extrude_margin``: parts are not extruded. They cover the mesh without gaps.
+
+    Warnings of `bake` use its names: ``max_error`` for ``threshold``, ``max_parts`` for ``max_convex_hull``.
 
     Raises `ArrayError` for wrong arrays, and `BakeError` for wrong options and meshes.
     """
+    _warn_without_effect(locals())
     if not (math.isfinite(threshold) and threshold > 0):
         raise BakeError(f"threshold: expected a finite number above 0, found {threshold!r}")
-    if preprocess_mode not in ("auto", "on", "off"):
-        raise BakeError(f"preprocess_mode: expected auto, on or off, found {preprocess_mode!r}")
     if decimate and max_ch_vertex < 4:
         raise BakeError(f"max_ch_vertex: expected at least 4, found {max_ch_vertex!r}")
     if apx_mode not in ("ch", "box"):
         raise BakeError(f"apx_mode: expected ch or box, found {apx_mode!r}")
-    if not merge:
-        _warn("merge", "merge=False has no effect: parts are merged where the threshold allows it")
-    if extrude:
-        _warn("extrude", "extrude=True has no effect: parts are not extruded, but they cover the mesh without gaps")
     points = floats("vertices", mesh.vertices)
     side = float(np.ptp(points, axis=0).max()) if points.ndim == 2 and len(points) else 0.0
     bound = threshold if real_metric else threshold * side / 2
@@ -192,8 +202,14 @@ def set_log_level(level: str) -> None:
     _LOG.setLevel(_LEVELS[level])
 
 
-def _warn(argument: str, text: str) -> None:
-    """Warns about an argument, once in a process."""
-    if argument not in _WARNED:
-        _WARNED.add(argument)
-        warnings.warn(text, BakeWarning, stacklevel=3)
+def _warn_without_effect(given: Mapping[str, object]) -> None:
+    """Warns about arguments of `run_coacd` that have no effect, once in a process about each."""
+    parameters = inspect.signature(run_coacd).parameters
+    found = []
+    for reason, names in _WITHOUT_EFFECT.items():
+        changed = [name for name in names if given[name] != parameters[name].default and str(given[name]) != "off"]
+        if new := [name for name in changed if name not in _WARNED]:
+            _WARNED.update(new)
+            found.append(f"{', '.join(new)} ({reason})")
+    if found:
+        warnings.warn(f"arguments without effect: {'; '.join(found)}", BakeWarning, stacklevel=3)
