@@ -112,9 +112,9 @@ fn is_within(triangles: &[[DVec3; 3]], p: DVec3, length: f64) -> bool {
     triangles.iter().any(|triangle| to_triangle(triangle) <= length)
 }
 
-/// Whether the solid angles of the triangles amount to more than a quarter of a turn, or a ray meets
-/// an odd number of triangles: generous, so that no claim is called false where a triangle faces the
-/// other way than its surface.
+/// Whether the solid angles of the triangles amount to more than a quarter of a turn, or a ray
+/// meets an odd number of triangles: generous, so that no claim is called false where a triangle
+/// faces the other way than its surface.
 fn is_inside(triangles: &[[DVec3; 3]], p: DVec3) -> bool {
     let (mut sum, mut crossings) = (0.0, 0);
     let ray = DVec3::new(0.36, 0.48, 0.8);
