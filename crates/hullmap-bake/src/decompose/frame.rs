@@ -16,8 +16,8 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The frame of a mesh: the shortest axis is the first, and most of the surface that is far from
-    /// the middle of the box is on the positive sides.
+    /// The frame of a mesh: the shortest axis is the first, and most of the surface that is far
+    /// from the middle of the box is on the positive sides.
     ///
     /// # Complexity
     /// O(n) for n triangles.
