@@ -25,7 +25,6 @@ mod alone;
 mod convex;
 mod curve;
 mod finish;
-mod frame;
 mod parameters;
 mod part;
 pub mod partition;
@@ -36,7 +35,6 @@ mod search;
 pub use alone::vertices_of_one_part;
 use convex::is_convex;
 pub use curve::{CurvePoint, curve};
-use frame::Frame;
 pub use parameters::{Cover, Length};
 use part::SourceVertices;
 use partition::{few, field::Field};
@@ -45,7 +43,7 @@ use search::Search;
 use crate::{
     deadline::{Deadline, Reserve},
     error::BakeError,
-    fit::{Solid, SolidRule},
+    fit::{Frame, Solid, SolidRule},
     hull,
     progress::Stage,
     simplify,
@@ -90,9 +88,9 @@ fn decompose_by(
     }
     let frame = Frame::new(mesh);
     let mesh = &frame.of_mesh(mesh);
-    let vertices = SourceVertices::new(mesh);
+    let vertices = SourceVertices::new(mesh, &frame);
     let max_vertices = (parameters.max_vertices as usize).max(simplify::MIN_VERTICES);
-    let solid = Solid::by(mesh, parameters.solid);
+    let solid = Solid::in_frame(mesh, parameters.solid);
     let found = if parameters.max_parts == Some(1) {
         None
     } else {
@@ -104,10 +102,7 @@ fn decompose_by(
         None => vec![few::within_vertices(hull::build(mesh)?, max_vertices)],
     };
     stage.reach(1.0);
-    let named = |(index, hull)| PointSet {
-        name: format!("{}_part_{index:02}", mesh.name),
-        ..frame.part_in_source(vertices.part(hull))
-    };
+    let named = |(index, hull)| PointSet { name: format!("{}_part_{index:02}", mesh.name), ..vertices.part(hull) };
     Ok(Some(hulls.iter().enumerate().map(named).collect()))
 }
 

@@ -4,7 +4,7 @@ use std::{
 };
 
 use glam::{DMat3, DVec3};
-use shapes::{concave, mesh::Mesh, solids::extrusion};
+use shapes::{concave, mesh::Mesh, rng::SplitMix64, solids::extrusion};
 
 use super::{
     finish::Finish,
@@ -242,7 +242,10 @@ fn openings_of_walls_stay_open() {
 #[test]
 fn the_number_of_parts_is_never_exceeded() {
     let mesh = point_set(&concave::l());
-    let (solid, vertices) = (Solid::new(&mesh), SourceVertices::new(&mesh));
+    let frame = Frame::new(&mesh);
+    let mesh = frame.of_mesh(&mesh);
+    let solid = Solid::in_frame(&mesh, SolidRule::Auto);
+    let vertices = SourceVertices::new(&mesh, &frame);
     let surface = Surface::new(&mesh);
     for max_parts in [Some(1), Some(2), None] {
         let cover = Cover { max_parts, ..Cover::default() };
@@ -411,5 +414,45 @@ fn the_smallest_limit_allows_for_rounding_far_from_the_origin() {
         println!("{offset}: {} parts, {worst}, {}", hulls.len(), solid.diagonal());
         let limit = (2e-5 * solid.diagonal()).max(1.01e-5 * f64::from(offset + 1.0));
         assert!(hulls.len() <= most && worst <= limit, "{offset}: {} parts, {worst} of {limit}", hulls.len());
+    }
+}
+
+#[test]
+fn turned_meshes_have_the_same_parts() {
+    let seed = 6;
+    println!("seed {seed}");
+    let mut rng = SplitMix64::new(seed);
+    let mesh = point_set(&concave::spiral_stair(5));
+    let bits = |p: &[f32; 3]| p.map(f32::to_bits);
+    let parts = |mesh: &PointSet, back: &dyn Fn([f32; 3]) -> [f32; 3]| {
+        let parts = decompose(mesh, &Cover::default()).unwrap().unwrap();
+        let part = |part: &PointSet| {
+            let mut points: Vec<_> = part.positions.iter().map(|p| bits(&back(*p))).collect();
+            points.sort_unstable();
+            points
+        };
+        let mut found: Vec<_> = parts.iter().map(part).collect();
+        found.sort_unstable();
+        found
+    };
+    let own = parts(&mesh, &|p| p);
+    assert!(own.len() > 3);
+    for axes in [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]] {
+        let signs = [0; 3].map(|_| if rng.unit() < 0.5 { -1.0 } else { 1.0 });
+        let positions = mesh.positions.iter().map(|p| [0, 1, 2].map(|k| signs[k] * p[axes[k]] + 0.0)).collect();
+        let mut turned = PointSet { positions, ..mesh.clone() };
+        for k in (1..turned.triangles.len()).rev() {
+            turned.triangles.swap(k, rng.below(k + 1));
+        }
+        turned.triangles.iter_mut().for_each(|t| t.rotate_left(rng.below(3)));
+        if axes[0] == 2 {
+            turned.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+        }
+        let back = |p: [f32; 3]| {
+            let mut found = [0.0; 3];
+            (0..3).for_each(|k| found[axes[k]] = signs[k] * p[k] + 0.0);
+            found
+        };
+        assert!(parts(&turned, &back) == own, "{axes:?} {signs:?}");
     }
 }

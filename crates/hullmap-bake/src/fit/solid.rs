@@ -2,11 +2,11 @@
 //! and its surface; or its surface alone, if the mesh is its walls ([`SolidRule`]).
 //!
 //! # Steps
-//! 1. Merge vertices of equal position, and drop triangles that repeat others. If the mesh is not
-//!    closed, merge vertices of its boundary that are closer than 1e-6 of the diagonal.
+//! 1. Take the mesh in its [frame](Frame), so that another order of its triangles gives the same
+//!    solid. Merge vertices of equal position, and drop triangles that repeat others. If the mesh
+//!    is not closed, merge vertices of its boundary that are closer than 1e-6 of the diagonal.
 //! 2. Turn round triangles that face the other way than their surface, and close holes by cones
-//!    ([`closing`]). Every point off the surface has an integer winding
-//!    number then.
+//!    ([`closing`]). Every point off the surface has an integer winding number then.
 //! 3. Cast rays that count crossings of triangles ([`winding`](super::winding)). If none is
 //!    certain, add the solid angles of all triangles.
 //!
@@ -27,7 +27,9 @@ pub use hullmap_format::SolidKind;
 use rayon::prelude::*;
 
 use super::{
-    closing, sides,
+    closing,
+    frame::Frame,
+    sides,
     triangle_tree::{Bounds, TriangleTree},
     walls::SolidRule,
     winding::{ClosedSurface, Doubt, RAYS, ray_direction},
@@ -106,11 +108,22 @@ impl Solid {
     /// # Complexity
     /// O(n log n) for n triangles.
     pub fn by(mesh: &PointSet, rule: SolidRule) -> Self {
+        let frame = Frame::new(mesh);
+        Self::of(&frame.of_mesh(mesh), rule, |p| frame.to_source(p))
+    }
+
+    /// The solid of a mesh that is in its frame. In the frame of the source, it is the same as that
+    /// of the source, whose holes are closed in the frame of the mesh.
+    pub fn in_frame(mesh: &PointSet, rule: SolidRule) -> Self {
+        Self::of(mesh, rule, |p| p)
+    }
+
+    fn of(mesh: &PointSet, rule: SolidRule, to_source: impl Fn(DVec3) -> DVec3) -> Self {
         let source: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
         let used = || mesh.triangles.iter().flatten().map(|v| source[*v as usize]);
         let bounds = [used().fold(DVec3::INFINITY, DVec3::min), used().fold(DVec3::NEG_INFINITY, DVec3::max)];
         let diagonal = if mesh.triangles.is_empty() { 0.0 } else { bounds[0].distance(bounds[1]) };
-        let (mut positions, mut indices) = merged(mesh, &source);
+        let (positions, mut indices) = merged(mesh, &source);
         let mut distinct = distinct(&indices);
         let mut cones = close(&positions, &mut indices, &distinct);
         let mut moved = 0.0;
@@ -129,7 +142,6 @@ impl Solid {
             }
         }
         let mut triangles: Vec<Triangle> = indices.iter().map(|t| t.map(|v| positions[v as usize])).collect();
-        positions.clear();
         let mesh_count = triangles.len();
         let is_walls = rule.is_walls(&triangles, &distinct, &cones);
         if is_walls {
@@ -137,6 +149,9 @@ impl Solid {
         }
         let is_closed = cones.is_empty();
         triangles.extend(cones.into_iter().flatten());
+        triangles.iter_mut().flatten().for_each(|p| *p = to_source(*p));
+        let bounds = [bounds[0], bounds[1]].map(to_source);
+        let bounds = [bounds[0].min(bounds[1]), bounds[0].max(bounds[1])];
         let mut counts = distinct;
         counts.resize(triangles.len(), true);
         let kind = if is_walls || is_flat(&triangles, &counts, diagonal) {
@@ -380,18 +395,18 @@ impl Solid {
     }
 }
 
-/// Distinct positions, and the mesh's triangles as their indices.
+/// Distinct positions in an order that does not depend on the mesh's, and the mesh's triangles as
+/// their indices.
 pub(super) fn merged(mesh: &PointSet, source: &[DVec3]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut order: Vec<u32> = (0..source.len() as u32).collect();
     let key = |v: u32| (source[v as usize] + 0.0).to_array().map(f64::to_bits);
-    order.sort_unstable_by_key(|v| (key(*v), *v));
-    let mut first = vec![0; source.len()];
+    order.sort_unstable_by_key(|v| key(*v));
+    let (mut index, mut positions) = (vec![0; source.len()], Vec::new());
     for same in order.chunk_by(|a, b| key(*a) == key(*b)) {
-        for v in same {
-            first[*v as usize] = same[0];
-        }
+        same.iter().for_each(|v| index[*v as usize] = positions.len() as u32);
+        positions.push(source[same[0] as usize] + 0.0);
     }
-    (source.to_vec(), mesh.triangles.iter().map(|t| t.map(|v| first[v as usize])).collect())
+    (positions, mesh.triangles.iter().map(|t| t.map(|v| index[v as usize])).collect())
 }
 
 /// Whether each triangle is the first with its corners, in any order, and has three of them.

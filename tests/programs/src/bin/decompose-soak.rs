@@ -134,6 +134,17 @@ fn judge(seed: u64, arguments: &Arguments) -> Outcome {
     let mesh = mesh(&mut rng);
     let share = [0.005, 0.02, 0.05, 0.2][index(&mut rng, 4)];
     let cover = Cover { max_error: Length::Relative(share), ..Cover::default() };
+    if let Ok(path) = std::env::var("DUMP") {
+        let mut out = String::new();
+        for p in &mesh.positions {
+            out += &format!("v {} {} {}\n", p[0], p[1], p[2]);
+        }
+        for t in &mesh.triangles {
+            out += &format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+        }
+        std::fs::write(format!("{path}/s{seed}.obj"), out).unwrap();
+        eprintln!("share {share}");
+    }
     let sets = match decompose(&mesh, &cover) {
         Err(_) => return Outcome::Rejected,
         Ok(None) => return Outcome::Convex,
