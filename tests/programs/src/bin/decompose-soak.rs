@@ -9,7 +9,9 @@
 //! found, the slowest meshes at the end.
 
 use std::{
+    fs,
     ops::Range,
+    path::PathBuf,
     process::ExitCode,
     sync::{
         Mutex, PoisonError,
@@ -44,6 +46,9 @@ struct Arguments {
     /// Maximum processor time for a mesh, in seconds
     #[arg(long, default_value_t = 30.0)]
     seconds: f64,
+    /// Folder for the meshes as OBJ files
+    #[arg(long)]
+    keep: Option<PathBuf>,
 }
 
 /// Outcome of one mesh.
@@ -133,18 +138,13 @@ fn judge(seed: u64, arguments: &Arguments) -> Outcome {
     let mut rng = SplitMix64::new(seed);
     let mesh = mesh(&mut rng);
     let share = [0.005, 0.02, 0.05, 0.2][index(&mut rng, 4)];
-    let cover = Cover { max_error: Length::Relative(share), ..Cover::default() };
-    if let Ok(path) = std::env::var("DUMP") {
-        let mut out = String::new();
-        for p in &mesh.positions {
-            out += &format!("v {} {} {}\n", p[0], p[1], p[2]);
-        }
-        for t in &mesh.triangles {
-            out += &format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
-        }
-        std::fs::write(format!("{path}/s{seed}.obj"), out).unwrap();
-        eprintln!("share {share}");
+    if let Some(folder) = &arguments.keep {
+        let vertices = mesh.positions.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n"));
+        let faces = mesh.triangles.iter().map(|t| t.map(|v| v + 1)).map(|[a, b, c]| format!("f {a} {b} {c}\n"));
+        let text: String = [format!("# maximum error {share}\n")].into_iter().chain(vertices).chain(faces).collect();
+        fs::write(folder.join(format!("{seed}.obj")), text).expect("the folder exists");
     }
+    let cover = Cover { max_error: Length::Relative(share), ..Cover::default() };
     let sets = match decompose(&mesh, &cover) {
         Err(_) => return Outcome::Rejected,
         Ok(None) => return Outcome::Convex,

@@ -270,3 +270,20 @@ fn progress_moves_within_a_mesh() {
     });
     assert!(seen.len() > 5 && progress.share() >= 0.9, "{seen:?}, {}", progress.share());
 }
+
+/// Points inside both arms of an L, both seen from a small triangle at its outer edge: no cut parts
+/// them, since both sides of a cut need some of the surface.
+#[test]
+fn small_surfaces_are_parts_without_points_inside() {
+    cuts::tests::with_search(&concave::l(), 0.02, |search, _| {
+        let limit = search.scale.limit;
+        let [p, q, r] = [[0.0, 0.0], [0.5, 0.0], [0.0, 0.5]].map(|[x, y]| limit * DVec3::new(1.0 + x, 1.0 + y, 1.0));
+        let atom = Arc::new(Atom::new(Patch::new(vec![vec![p, q, r]]).unwrap()));
+        let inside = vec![DVec3::new(1.9, 0.5, 0.5), DVec3::new(0.5, 2.6, 0.5)];
+        let piece = search.scale.piece(vec![atom], inside, Vec::new(), &[]);
+        assert!(!search.beyond(&piece).is_empty());
+        let parts = divided(search, piece, 9, 0, &mut Vec::new(), Stage::default()).unwrap();
+        assert_eq!(parts.len(), 1);
+        assert!(parts[0].bound <= search.bounds.limit);
+    });
+}
