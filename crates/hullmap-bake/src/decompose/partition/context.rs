@@ -74,6 +74,28 @@ impl PartitionSearch<'_> {
         self.field.points_beyond(&body.triangles, self.scale.limit, REFUTING, MEASURED)
     }
 
+    /// A piece whose surface is free of points that are too far from the solid, without the corners
+    /// that are not: no cut need part such corners, which both of its sides see. They are left to
+    /// other pieces. `None` if there are none.
+    pub fn without_far_corners(&self, piece: &Piece) -> Option<Piece> {
+        if piece.forbidden.is_empty() || piece.corners.is_empty() {
+            return None;
+        }
+        let free = |corners: &[DVec3]| {
+            let found = self.scale.piece(piece.atoms.clone(), corners.to_vec(), piece.planes.clone(), &piece.forbidden);
+            (found.forbidden.is_empty() && self.points_beyond(&found.body).is_empty()).then_some(found)
+        };
+        let (mut best, mut corners) = (free(&[])?, Vec::new());
+        for corner in &piece.corners {
+            corners.push(*corner);
+            match free(&corners) {
+                Some(found) => best = found,
+                None => drop(corners.pop()),
+            }
+        }
+        (corners.len() < piece.corners.len()).then_some(best)
+    }
+
     /// The part of a piece.
     pub fn shaped(&self, piece: &Piece) -> Result<Part, Option<DVec3>> {
         let (hull, bound) = shape::shaped(self.field, &piece.body, &self.bounds)?;

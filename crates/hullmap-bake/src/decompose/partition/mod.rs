@@ -228,10 +228,8 @@ fn divided(
         known.extend_from_slice(&beyond);
         piece.forbidden = beyond;
     }
-    if !piece.corners.is_empty() && search.scale.is_small(&piece.atoms) {
-        // No cut parts points inside from a surface this small: they are left to other pieces.
-        let alone = search.scale.piece(piece.atoms, Vec::new(), piece.planes, &[]);
-        return divided(search, alone, most, depth, known, stage);
+    if let Some(piece) = search.without_far_corners(&piece) {
+        return divided(search, piece, most, depth, known, stage);
     }
     if most < 2 {
         return None;

@@ -296,13 +296,6 @@ impl Scale<'_> {
         pieces.into_iter().map(piece).collect()
     }
 
-    /// Whether no two points of atoms are farther apart than the limit, as far as their boxes tell.
-    pub fn is_small(&self, atoms: &[Arc<Atom>]) -> bool {
-        let low = atoms.iter().fold(DVec3::INFINITY, |low, atom| low.min(atom.low));
-        let high = atoms.iter().fold(DVec3::NEG_INFINITY, |high, atom| high.max(atom.high));
-        low.distance(high) <= self.limit
-    }
-
     /// Whether a point is inside a body, not on its surface.
     pub fn is_inside(&self, body: &Body, p: DVec3) -> bool {
         body.holds(p, -self.tolerance())
