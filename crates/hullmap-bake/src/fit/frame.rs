@@ -65,14 +65,18 @@ impl Frame {
 
     /// A hull of the source in this frame: nothing is rounded.
     pub fn of_hull(&self, hull: Hull) -> Hull {
-        let is_cyclic = (self.axes[0] + 1) % 3 == self.axes[1];
-        let is_mirrored = is_cyclic != (self.signs.iter().product::<f32>() > 0.0);
         let vertices = hull.vertices.iter().map(|p| self.point(p)).collect();
         let mut faces = hull.faces;
-        if is_mirrored {
+        if self.is_mirrored() {
             faces.iter_mut().for_each(|face| face[1..].reverse());
         }
         Hull { vertices, faces, ..hull }
+    }
+
+    /// Whether one frame is left-handed where the other is right-handed.
+    pub fn is_mirrored(&self) -> bool {
+        let is_cyclic = (self.axes[0] + 1) % 3 == self.axes[1];
+        is_cyclic != (self.signs.iter().product::<f32>() > 0.0)
     }
 
     /// A point of this frame in that of the source.

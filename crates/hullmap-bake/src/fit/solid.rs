@@ -109,16 +109,11 @@ impl Solid {
     /// O(n log n) for n triangles.
     pub fn by(mesh: &PointSet, rule: SolidRule) -> Self {
         let frame = Frame::new(mesh);
-        Self::of(&frame.of_mesh(mesh), rule, |p| frame.to_source(p))
+        Self::in_frame(&frame.of_mesh(mesh), rule).in_source(&frame)
     }
 
-    /// The solid of a mesh that is in its frame. In the frame of the source, it is the same as that
-    /// of the source, whose holes are closed in the frame of the mesh.
+    /// The solid of a mesh that is in its frame. In the frame of the source, it is the same.
     pub fn in_frame(mesh: &PointSet, rule: SolidRule) -> Self {
-        Self::of(mesh, rule, |p| p)
-    }
-
-    fn of(mesh: &PointSet, rule: SolidRule, to_source: impl Fn(DVec3) -> DVec3) -> Self {
         let source: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
         let used = || mesh.triangles.iter().flatten().map(|v| source[*v as usize]);
         let bounds = [used().fold(DVec3::INFINITY, DVec3::min), used().fold(DVec3::NEG_INFINITY, DVec3::max)];
@@ -149,9 +144,6 @@ impl Solid {
         }
         let is_closed = cones.is_empty();
         triangles.extend(cones.into_iter().flatten());
-        triangles.iter_mut().flatten().for_each(|p| *p = to_source(*p));
-        let bounds = [bounds[0], bounds[1]].map(to_source);
-        let bounds = [bounds[0].min(bounds[1]), bounds[0].max(bounds[1])];
         let mut counts = distinct;
         counts.resize(triangles.len(), true);
         let kind = if is_walls || is_flat(&triangles, &counts, diagonal) {
@@ -173,6 +165,18 @@ impl Solid {
         let closing = mesh_count as u32..solid.surface.triangles.len() as u32;
         solid.is_whole = closing.into_par_iter().map(|index| sides::is_beside_inside(&solid.surface, index)).collect();
         solid
+    }
+
+    fn in_source(mut self, frame: &Frame) -> Self {
+        let ClosedSurface { triangles, tree, bounds, .. } = &mut self.surface;
+        triangles.iter_mut().flatten().for_each(|p| *p = frame.to_source(*p));
+        if frame.is_mirrored() {
+            triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+        }
+        *tree = TriangleTree::new(triangles);
+        let [p, q] = bounds.map(|p| frame.to_source(p));
+        *bounds = [p.min(q), p.max(q)];
+        self
     }
 
     fn has_inside(&self) -> bool {

@@ -53,8 +53,9 @@ impl PartitionSearch<'_> {
         let area: f64 = triangles.iter().map(|triangle| 0.5 * normal(triangle).length()).sum();
         let spacing = self.scale.limit.max((area / BESIDE).sqrt());
         for (index, p) in spread_points(triangles.iter().copied(), spacing * spacing) {
-            let up = normal(&triangles[index]).normalize_or_zero() * (1.02 * self.scale.limit);
-            found.extend([p + up, p - up]);
+            let up = normal(&triangles[index]).normalize_or_zero();
+            let heights = [1.02 * self.scale.limit, 1.02 * self.field.flat_height()];
+            found.extend(heights.into_iter().filter(|h| *h > 0.0).flat_map(|h| [p + up * h, p - up * h]));
         }
         let is_forbidden =
             |p: &DVec3| hull.holds(*p, 0.0) && !self.is_over() && self.field.is_beyond(*p, self.scale.limit);

@@ -12,6 +12,7 @@ use std::collections::BinaryHeap;
 
 use glam::DVec3;
 
+use super::flats::Flats;
 use crate::deadline::Deadline;
 use crate::fit::{peaks::Peaks, solid::Solid};
 use hullmap_geometry::triangle;
@@ -38,6 +39,7 @@ pub struct Field<'a> {
     peaks: Option<Peaks>,
     /// The greatest length above which there are too many.
     no_peaks_above: f64,
+    flats: Flats,
 }
 
 impl<'a> Field<'a> {
@@ -63,7 +65,17 @@ impl<'a> Field<'a> {
     }
 
     fn of_labels(solid: &'a Solid, low: DVec3, step: f64, size: [usize; 3], labels: Vec<u8>) -> Self {
-        Self { solid, low, step, size, labels, steps: Vec::new(), peaks: None, no_peaks_above: 0.0 }
+        Self {
+            solid,
+            low,
+            step,
+            size,
+            labels,
+            steps: Vec::new(),
+            peaks: None,
+            no_peaks_above: 0.0,
+            flats: Flats::default(),
+        }
     }
 
     fn mark(&mut self, [a, b, c]: &[DVec3; 3]) {
@@ -163,13 +175,23 @@ impl<'a> Field<'a> {
         (z * self.size[1] + y) * self.size[0] + x
     }
 
-    /// Whether a point is farther than `limit` from the solid.
+    /// Whether a point is farther than `limit` from the solid, or stands out of a flat face.
     pub fn is_beyond(&self, p: DVec3, limit: f64) -> bool {
         match self.side(p) {
             Some((INSIDE, _)) => false,
             Some((OUTSIDE, clearance)) if clearance > limit => true,
-            _ => !self.solid.is_near(p, limit) && !self.is_inside(p),
+            _ => (!self.solid.is_near(p, limit) || self.flats.are_left(self.solid, p)) && !self.is_inside(p),
         }
+    }
+
+    /// Keeps the large flat faces flat, for parts within a limit.
+    pub fn keep_flats(&mut self, limit: f64) {
+        self.flats = Flats::new(self.solid, limit);
+    }
+
+    /// Height above large flat faces that is too much; 0 without such faces.
+    pub fn flat_height(&self) -> f64 {
+        self.flats.height()
     }
 
     /// Finds the local maxima of the distance above a length, which makes proofs for greater
@@ -226,15 +248,18 @@ impl<'a> Field<'a> {
             let Some(near) = self.solid.near_beside(centre, piece.within, piece.hint.as_ref()) else { continue };
             let to_corners =
                 piece.corners.iter().map(|p| triangle::nearest(&near.triangle, *p).distance(*p)).fold(0.0, f64::max);
-            if (near.distance + radius).min(to_corners.max(near.distance)) <= limit {
+            let may_leave_flats = self.flats.may_be_left(&piece.corners);
+            let least = if may_leave_flats { self.flats.height() } else { limit };
+            if (near.distance + radius).min(to_corners.max(near.distance)) <= least {
                 continue;
             }
-            if near.distance > limit || near.gap > radius {
+            let leaves = |p| may_leave_flats && self.flats.are_left(self.solid, p);
+            if near.distance > least || near.gap > radius {
                 if self.is_inside(centre) {
                     if near.gap > radius {
                         continue;
                     }
-                } else if near.distance > limit {
+                } else if near.distance > limit || leaves(centre) {
                     found.push(centre);
                     if found.len() >= count {
                         break;
@@ -247,7 +272,7 @@ impl<'a> Field<'a> {
                 let middle = triangle::centroid(&corners);
                 let radius = corners.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);
                 let distance = near.distance + middle.distance(centre);
-                if distance + radius > limit {
+                if distance + radius > least {
                     let bound = distance + radius;
                     queue.push(Piece { bound, index: pushed, within, hint: Some(near.triangle), corners });
                     pushed += 1;

@@ -4,8 +4,8 @@
 //!
 //! # Steps
 //! 1. Group neighbouring triangles as atoms, which only planes divide.
-//! 2. Find points that are too far from the solid: evenly spread ones, and ones beside the surface.
-//!    They are *forbidden*: no part may contain them.
+//! 2. Find points that are too far from the solid, or stand out of a large flat face: evenly spread
+//!    ones, and ones beside the surface. They are *forbidden*: no part may contain them.
 //! 3. Start with each closed shell, and with the rest. A piece whose hull contains no forbidden
 //!    point, and is proven, is a part. Divide any other piece by the plane that leaves the fewest
 //!    conflicts and forbidden points within both sides, and go on with the connected components of
@@ -33,6 +33,7 @@ pub mod cuts;
 pub mod extremes;
 pub mod few;
 pub mod field;
+pub mod flats;
 pub mod halves;
 pub mod join;
 pub mod links;
@@ -109,6 +110,7 @@ pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) ->
     let PartitionLimits { bounds, most, wanted, bridges } = *limits;
     let (limit, stage) = (bounds.limit, bounds.stage);
     field.find_peaks(limit * PEAKS, bounds.deadline);
+    field.keep_flats(limit);
     let field = &*field;
     let diagonal = field.solid().diagonal();
     let scale = Scale { limit: limit * RESERVE, diagonal, field };
@@ -151,6 +153,7 @@ pub fn divided_further(
     count: usize,
 ) -> Vec<Part> {
     field.find_peaks(bounds.limit * PEAKS, bounds.deadline);
+    field.keep_flats(bounds.limit);
     let scale = Scale { limit: bounds.limit * RESERVE, diagonal: bounds.diagonal, field: &*field };
     let planes = FacePlanes::new(&surface.triangles);
     let search = PartitionSearch { field, scale, planes: &planes, bounds };
