@@ -1,6 +1,6 @@
 //! The frame of a mesh. A mesh that is turned by right angles or reflected, or whose triangles come
-//! in another order or orientation, is the same mesh in its frame, so that it has the same solid and
-//! the same parts.
+//! in another order or orientation, is the same mesh in its frame, so that it has the same solid
+//! and the same parts.
 
 use glam::DVec3;
 
@@ -43,7 +43,8 @@ impl Frame {
         Self { axes, signs }
     }
 
-    /// A mesh in its frame: nothing is rounded. Each triangle starts with its least corner, and they are sorted.
+    /// A mesh in its frame: nothing is rounded. Each triangle starts with its least corner, and they
+    /// are sorted.
     ///
     /// # Complexity
     /// O(n log n) for n triangles.
@@ -79,7 +80,7 @@ impl Frame {
         is_cyclic != (self.signs.iter().product::<f32>() > 0.0)
     }
 
-    /// A point of this frame in that of the source.
+    /// A point of this frame in the frame of the source.
     pub fn to_source(&self, p: DVec3) -> DVec3 {
         let mut found = DVec3::ZERO;
         for k in 0..3 {
