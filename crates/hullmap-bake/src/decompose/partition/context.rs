@@ -72,7 +72,12 @@ impl PartitionSearch<'_> {
 
     /// Points of a body that are too far from the solid; none if none are found.
     pub fn points_beyond(&self, body: &Body) -> Vec<DVec3> {
-        self.field.points_beyond(&body.triangles, self.scale.limit, REFUTING, MEASURED)
+        let limit = self.scale.limit;
+        let mut found = self.field.points_beyond(&body.triangles, limit, REFUTING, MEASURED);
+        if self.scale.is_small(body) {
+            found.retain(|p| self.field.is_far(*p, limit));
+        }
+        found
     }
 
     /// A piece whose surface is free of points that are too far from the solid, without the corners

@@ -177,10 +177,15 @@ impl<'a> Field<'a> {
 
     /// Whether a point is farther than `limit` from the solid, or stands out of a flat face.
     pub fn is_beyond(&self, p: DVec3, limit: f64) -> bool {
+        self.is_far(p, limit) || self.flats.are_left(self.solid, p) && !self.is_inside(p)
+    }
+
+    /// Whether a point is farther than `limit` from the solid.
+    pub fn is_far(&self, p: DVec3, limit: f64) -> bool {
         match self.side(p) {
             Some((INSIDE, _)) => false,
             Some((OUTSIDE, clearance)) if clearance > limit => true,
-            _ => (!self.solid.is_near(p, limit) || self.flats.are_left(self.solid, p)) && !self.is_inside(p),
+            _ => !self.solid.is_near(p, limit) && !self.is_inside(p),
         }
     }
 

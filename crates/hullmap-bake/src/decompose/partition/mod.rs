@@ -217,6 +217,9 @@ fn divided(
     if search.is_over() {
         return Some(search.shaped(&piece).into_iter().collect());
     }
+    if search.scale.is_small(&piece.body) {
+        piece.forbidden.retain(|p| search.field.is_far(*p, search.scale.limit));
+    }
     if piece.forbidden.is_empty() {
         let mut beyond = search.beyond(&piece);
         if beyond.is_empty() {

@@ -32,6 +32,9 @@ const NEAR_BODY: f64 = 1e-7;
 /// Distance from a corner at which it is inside the solid, relative to the diagonal.
 const BESIDE: f64 = 1e-5;
 
+/// Diagonal of a piece, relative to the limit, up to which it may stand out of flat faces.
+const SMALL: f64 = 2.0;
+
 /// Where a line through the solid is tested.
 const SEEN: [f64; 4] = [0.25, 0.5, 0.75, 0.97];
 
@@ -294,6 +297,11 @@ impl Scale<'_> {
             (component_of[members[0] as usize], self.piece(own, Vec::new(), planes.to_vec(), forbidden))
         };
         pieces.into_iter().map(piece).collect()
+    }
+
+    /// Whether a body is too small to keep flat faces flat.
+    pub fn is_small(&self, body: &Body) -> bool {
+        body.diagonal() <= SMALL * self.limit
     }
 
     /// Whether a point is inside a body, not on its surface.
