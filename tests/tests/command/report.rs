@@ -294,9 +294,9 @@ fn decoded(link: &str) -> String {
     String::from_utf8(bytes).unwrap()
 }
 
-/// A comb of three teeth, of which two are so close to each other that a loose part holds both.
+/// A comb of two teeth. A part fills the slot in the end of one of them.
 fn comb() -> String {
-    let teeth = [(4.2, 3.0), (3.2, 3.0), (3.2, 1.0), (3.0, 1.0), (3.0, 3.0), (2.0, 3.0), (2.0, 1.0), (1.0, 1.0)];
+    let teeth = [(4.2, 3.0), (3.2, 3.0), (3.2, 2.5), (3.0, 2.5), (3.0, 3.0), (2.0, 3.0), (2.0, 1.0), (1.0, 1.0)];
     prism(&[&[(0.0, 0.0), (4.2, 0.0)], &teeth[..], &[(1.0, 3.0), (0.0, 3.0)]].concat())
 }
 
