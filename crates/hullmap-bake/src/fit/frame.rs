@@ -43,8 +43,8 @@ impl Frame {
         Self { axes, signs }
     }
 
-    /// A mesh in its frame: nothing is rounded. Each triangle starts with its least corner, and they
-    /// are sorted.
+    /// A mesh in its frame: nothing is rounded. Triangles are sorted. Each starts with its least
+    /// corner.
     ///
     /// # Complexity
     /// O(n log n) for n triangles.
