@@ -177,7 +177,7 @@ impl<'a> Field<'a> {
 
     /// Whether a point is farther than `limit` from the solid, or stands out of a flat face.
     pub fn is_beyond(&self, p: DVec3, limit: f64) -> bool {
-        self.is_far(p, limit) || self.flats.are_left(self.solid, p) && !self.is_inside(p)
+        self.is_far(p, limit) || self.flats.are_exceeded(self.solid, p) && !self.is_inside(p)
     }
 
     /// Whether a point is farther than `limit` from the solid.
@@ -253,18 +253,18 @@ impl<'a> Field<'a> {
             let Some(near) = self.solid.near_beside(centre, piece.within, piece.hint.as_ref()) else { continue };
             let to_corners =
                 piece.corners.iter().map(|p| triangle::nearest(&near.triangle, *p).distance(*p)).fold(0.0, f64::max);
-            let may_leave_flats = self.flats.may_be_left(&piece.corners);
-            let least = if may_leave_flats { self.flats.height() } else { limit };
+            let may_exceed_flats = self.flats.may_be_exceeded(&piece.corners);
+            let least = if may_exceed_flats { self.flats.height() } else { limit };
             if (near.distance + radius).min(to_corners.max(near.distance)) <= least {
                 continue;
             }
-            let leaves = |p| may_leave_flats && self.flats.are_left(self.solid, p);
+            let exceeds = |p| may_exceed_flats && self.flats.are_exceeded(self.solid, p);
             if near.distance > least || near.gap > radius {
                 if self.is_inside(centre) {
                     if near.gap > radius {
                         continue;
                     }
-                } else if near.distance > limit || leaves(centre) {
+                } else if near.distance > limit || exceeds(centre) {
                     found.push(centre);
                     if found.len() >= count {
                         break;

@@ -78,7 +78,8 @@ impl Flats {
             group.1.push(*corners);
         }
         let large = groups.into_values().filter(|(area, _)| *area >= LARGE * total);
-        Self { faces: large.filter_map(|(_, triangles)| Flat::new(triangles)).collect(), heights }
+        let faces: Vec<Flat> = large.filter_map(|(_, triangles)| Flat::new(triangles)).collect();
+        if faces.is_empty() { Self::default() } else { Self { faces, heights } }
     }
 
     /// The height above a face that is too much; 0 without faces.
@@ -88,7 +89,7 @@ impl Flats {
 
     /// Whether a point outside of the solid stands out of a face: it is nearest to it, and farther
     /// from its rim than parts may be from the solid.
-    pub fn are_left(&self, solid: &Solid, p: DVec3) -> bool {
+    pub fn are_exceeded(&self, solid: &Solid, p: DVec3) -> bool {
         let [least, limit] = self.heights;
         self.faces.iter().any(|Flat { plane, face, rim }| {
             let height = plane.height(p);
@@ -102,7 +103,7 @@ impl Flats {
     }
 
     /// Whether a point of a triangle may stand out of a face.
-    pub fn may_be_left(&self, corners: &Triangle) -> bool {
+    pub fn may_be_exceeded(&self, corners: &Triangle) -> bool {
         let [least, limit] = self.heights;
         let centre = triangle::centroid(corners);
         let radius = corners.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
