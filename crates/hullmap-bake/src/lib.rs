@@ -34,6 +34,7 @@ mod error;
 mod file;
 pub mod fit;
 pub mod gauss_map;
+mod groups;
 pub mod height_field;
 pub mod hull;
 pub mod index;

@@ -38,8 +38,9 @@ pub struct Options {
     /// Maximum number of vertices of a part, at least 4. Default: 64.
     pub max_vertices: u32,
     /// The solid of an open mesh. 1: its inside, after its holes are closed. 2: its walls, so that
-    /// openings stay open. Default: its walls if half of its area has faces on both sides, or if a
-    /// hole has more than an eighth of its area; otherwise its inside.
+    /// openings stay open. Default: open surfaces are walls if half of their area has faces on both
+    /// sides, a hole has more than an eighth of it, or all holes together more than all of it;
+    /// otherwise their holes are closed. Closed surfaces are solid.
     pub solid: u32,
     /// Thickness of the parts of walls, as a share of the diagonal; at most half of the maximum
     /// error. Default: 0.005.

@@ -9,7 +9,8 @@ pub enum SolidKind {
     Watertight,
     /// Holes were closed by cones over their loops, which decide what is inside near them.
     Closed,
-    /// The solid is the triangles alone: the mesh is open, or encloses nothing.
+    /// Surfaces that are open or enclose nothing are their triangles alone. Closed ones may be
+    /// solid.
     Walls,
 }
 

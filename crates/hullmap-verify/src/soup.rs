@@ -1,16 +1,15 @@
 //! The triangles that bound the solid of a mesh: nearest triangle, ray crossings, winding number.
 //!
-//! Only the triangles that close the solid's holes come from the baker. Distances and winding
-//! numbers use another tree of boxes and the sum of all solid angles.
+//! Only the triangles that close the solid's holes, and the choice of triangles that bound its
+//! inside, come from the baker. Distances and winding numbers use another tree of boxes and the sum
+//! of all solid angles.
 //!
 //! # Reference
 //! - Möller, Trumbore, "Fast, minimum storage ray-triangle intersection", 1997.
 //! - Van Oosterom, Strackee, "The solid angle of a plane triangle", 1983.
 
-use std::collections::HashSet;
-
 use glam::DVec3;
-use hullmap_bake::fit::{Solid, SolidKind};
+use hullmap_bake::fit::Solid;
 use hullmap_geometry::triangle::{Triangle, nearest};
 use rayon::prelude::*;
 
@@ -31,11 +30,17 @@ struct Node {
     second: u32,
 }
 
+struct Face {
+    corners: Triangle,
+    /// Whether the triangle belongs to the mesh. Others close holes.
+    is_mesh: bool,
+    bounds_inside: bool,
+}
+
 /// Triangles of a mesh, and triangles that close it.
 pub struct TriangleSoup {
-    kind: SolidKind,
-    /// By the leaves of the tree, with whether each belongs to the mesh.
-    triangles: Vec<(Triangle, bool)>,
+    /// By the leaves of the tree.
+    faces: Vec<Face>,
     nodes: Vec<Node>,
     /// The triangles that count for the winding number.
     winding: Vec<Triangle>,
@@ -47,22 +52,17 @@ impl TriangleSoup {
     /// The soup of `solid`, which belongs to a mesh of `mesh_count` triangles.
     pub fn new(solid: &Solid, mesh_count: usize) -> Self {
         let all = solid.triangles();
-        let bits = |p: &DVec3| (*p + 0.0).to_array().map(f64::to_bits);
-        let mut seen = HashSet::new();
-        let is_new = |triangle: &&Triangle| {
-            let mut key = triangle.each_ref().map(bits);
-            key.sort_unstable();
-            key[0] != key[1] && key[1] != key[2] && seen.insert(key)
+        let face = |(index, corners): (usize, &Triangle)| Face {
+            corners: *corners,
+            is_mesh: index < mesh_count,
+            bounds_inside: solid.bounds_inside(index),
         };
-        // Closing triangles count even if they repeat another one.
-        let (own, closing) = all.split_at(mesh_count.min(all.len()));
-        let winding: Vec<Triangle> = own.iter().filter(is_new).chain(closing).copied().collect();
-        let mut triangles: Vec<(Triangle, bool)> =
-            all.iter().enumerate().map(|(index, triangle)| (*triangle, index < mesh_count)).collect();
+        let mut faces: Vec<Face> = all.iter().enumerate().map(face).collect();
+        let winding = faces.iter().filter(|face| face.bounds_inside).map(|face| face.corners).collect();
         let mut nodes = Vec::new();
-        let end = triangles.len();
-        grow(&mut triangles, 0..end, &mut nodes);
-        Self { kind: solid.kind(), triangles, nodes, winding, has_closing: !closing.is_empty(), bounds: solid.bounds() }
+        let end = faces.len();
+        grow(&mut faces, 0..end, &mut nodes);
+        Self { faces, nodes, winding, has_closing: all.len() > mesh_count, bounds: solid.bounds() }
     }
 
     /// Distance of the nearest triangle of the mesh, and that triangle.
@@ -73,21 +73,17 @@ impl TriangleSoup {
     /// Lower bound on the distance of a point outside from the solid: closing triangles may bound
     /// it.
     pub fn gap(&self, p: DVec3) -> f64 {
-        let is_mesh_only = !self.has_closing || self.kind == SolidKind::Walls;
-        self.nearest(p, is_mesh_only).map_or(f64::INFINITY, |(distance, _)| distance)
+        self.nearest(p, !self.has_closing).map_or(f64::INFINITY, |(distance, _)| distance)
     }
 
     /// Whether rays find the point inside. A guess: a ray may graze an edge.
     pub fn seems_inside(&self, p: DVec3) -> bool {
         let is_in_bounds = (self.bounds[0] - p).max(p - self.bounds[1]).max_element() <= 0.0;
-        self.kind != SolidKind::Walls && is_in_bounds && RAYS.iter().all(|ray| self.crossings(p, *ray) != 0)
+        !self.winding.is_empty() && is_in_bounds && RAYS.iter().all(|ray| self.crossings(p, *ray) != 0)
     }
 
     /// Whether the point is certainly outside: by the sum of all solid angles, in O(triangles).
     pub fn is_outside(&self, p: DVec3) -> bool {
-        if self.kind == SolidKind::Walls {
-            return true;
-        }
         let of = |triangle: &Triangle| solid_angle(triangle.map(|corner| corner - p));
         let sum: f64 = if self.winding.len() < PARALLEL {
             self.winding.iter().map(of).sum()
@@ -112,22 +108,21 @@ impl TriangleSoup {
                 stack.extend([children[far], children[1 - far]]);
                 continue;
             }
-            for (triangle, is_mesh) in self.run(node) {
-                let distance = nearest(triangle, p).distance(p);
-                if (*is_mesh || !is_mesh_only) && best.is_none_or(|(least, _)| distance < least) {
-                    best = Some((distance, *triangle));
+            for face in self.run(node) {
+                let distance = nearest(&face.corners, p).distance(p);
+                if (face.is_mesh || !is_mesh_only) && best.is_none_or(|(least, _)| distance < least) {
+                    best = Some((distance, face.corners));
                 }
             }
         }
         best
     }
 
-    fn run(&self, node: &Node) -> &[(Triangle, bool)] {
-        &self.triangles[node.start as usize..(node.start + node.count) as usize]
+    fn run(&self, node: &Node) -> &[Face] {
+        &self.faces[node.start as usize..(node.start + node.count) as usize]
     }
 
-    /// Winding number as the signed number of triangles that a ray crosses. Repeated triangles
-    /// count, so a mesh that has some is left to the solid angles.
+    /// Winding number as the signed number of triangles that a ray crosses.
     fn crossings(&self, p: DVec3, direction: DVec3) -> i32 {
         let inverse = direction.recip();
         let (mut sum, mut stack) = (0, vec![0_usize]);
@@ -141,15 +136,16 @@ impl TriangleSoup {
             if node.count == 0 {
                 stack.extend([index + 1, node.second as usize]);
             }
-            sum += self.run(node).iter().map(|(triangle, _)| crossing(triangle, p, direction)).sum::<i32>();
+            let bounding = self.run(node).iter().filter(|face| face.bounds_inside);
+            sum += bounding.map(|face| crossing(&face.corners, p, direction)).sum::<i32>();
         }
         sum
     }
 }
 
-fn grow(triangles: &mut [(Triangle, bool)], range: std::ops::Range<usize>, nodes: &mut Vec<Node>) {
-    let own = &mut triangles[range.clone()];
-    let corners = || own.iter().flat_map(|(triangle, _)| triangle);
+fn grow(faces: &mut [Face], range: std::ops::Range<usize>, nodes: &mut Vec<Node>) {
+    let own = &mut faces[range.clone()];
+    let corners = || own.iter().flat_map(|face| &face.corners);
     let low = corners().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = corners().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     let index = nodes.len();
@@ -161,12 +157,12 @@ fn grow(triangles: &mut [(Triangle, bool)], range: std::ops::Range<usize>, nodes
     }
     let size = high - low;
     let axis = (0..3).fold(0, |longest, axis| if size[axis] > size[longest] { axis } else { longest });
-    let key = |(triangle, _): &(Triangle, bool)| triangle.iter().map(|corner| corner[axis]).sum::<f64>();
+    let key = |face: &Face| face.corners.iter().map(|corner| corner[axis]).sum::<f64>();
     let half = own.len() / 2;
     own.select_nth_unstable_by(half, |a, b| key(a).total_cmp(&key(b)));
-    grow(triangles, range.start..range.start + half, nodes);
+    grow(faces, range.start..range.start + half, nodes);
     nodes[index].second = nodes.len() as u32;
-    grow(triangles, range.start + half..range.end, nodes);
+    grow(faces, range.start + half..range.end, nodes);
 }
 
 fn to_box(node: &Node, p: DVec3) -> f64 {
@@ -200,6 +196,7 @@ fn crossing(&[a, b, c]: &Triangle, p: DVec3, direction: DVec3) -> i32 {
 mod tests {
     use super::*;
     use crate::random::SplitMix;
+    use hullmap_bake::fit::SolidRule;
     use hullmap_geometry::PointSet;
 
     /// Two boxes; the second has no lid.
@@ -219,7 +216,7 @@ mod tests {
     #[test]
     fn distances_and_sides_match_boxes() {
         let mesh = boxes();
-        let soup = TriangleSoup::new(&Solid::new(&mesh), mesh.triangles.len());
+        let soup = TriangleSoup::new(&Solid::by(&mesh, SolidRule::Closed), mesh.triangles.len());
         let mut random = SplitMix::new(5);
         let mut inside = 0;
         for _ in 0..2_000 {

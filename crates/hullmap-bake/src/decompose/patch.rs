@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
+use crate::groups::{find, join};
 use hullmap_geometry::{
     planes::{self, HalfSpace},
     triangle,
@@ -68,20 +69,4 @@ fn connected(polygons: Vec<Vec<DVec3>>) -> Vec<Vec<Vec<DVec3>>> {
 /// A point as a key. −0 and 0 are equal.
 pub fn bits(p: DVec3) -> [u64; 3] {
     (p + DVec3::ZERO).to_array().map(f64::to_bits)
-}
-
-/// The first item of a group.
-pub fn find(root: &mut [u32], mut i: u32) -> u32 {
-    while root[i as usize] != i {
-        let above = root[root[i as usize] as usize];
-        root[i as usize] = above;
-        i = above;
-    }
-    i
-}
-
-/// Unites the groups of two items.
-pub fn join(root: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (find(root, a), find(root, b));
-    root[a.max(b) as usize] = a.min(b);
 }

@@ -18,6 +18,8 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
+use crate::groups::{find, join};
+
 /// Triangles that close the mesh of `triangles`, which index `positions`, for each hole. Empty if
 /// the mesh is closed. Vertices of equal position must have been merged: only equal indices are one
 /// vertex.
@@ -75,6 +77,29 @@ pub fn turn(triangles: &mut [[u32; 3]]) -> Vec<usize> {
     }
     turned.iter().for_each(|index| triangles[*index].swap(0, 1));
     Vec::new()
+}
+
+/// For each triangle, whether its surface has an edge of one triangle only. Surfaces are connected
+/// through edges. Triangles that are not `distinct` repeat another one.
+pub fn are_open(triangles: &[[u32; 3]], distinct: &[bool]) -> Vec<bool> {
+    let mut edges: Vec<([u32; 2], u32)> = (0..)
+        .zip(triangles)
+        .flat_map(|(triangle, &[a, b, c])| {
+            [(a, b), (b, c), (c, a)].map(|(from, to)| ([from.min(to), from.max(to)], triangle))
+        })
+        .collect();
+    edges.sort_unstable();
+    let mut root: Vec<u32> = (0..triangles.len() as u32).collect();
+    let mut rims = Vec::new();
+    for same in edges.chunk_by(|a, b| a.0 == b.0) {
+        same.windows(2).for_each(|pair| join(&mut root, pair[0].1, pair[1].1));
+        if same.iter().filter(|(_, triangle)| distinct[*triangle as usize]).count() == 1 {
+            rims.push(same[0].1);
+        }
+    }
+    let mut is_open = vec![false; triangles.len()];
+    rims.into_iter().for_each(|triangle| is_open[find(&mut root, triangle) as usize] = true);
+    (0..triangles.len() as u32).map(|triangle| is_open[find(&mut root, triangle) as usize]).collect()
 }
 
 /// The only other triangle at each edge, and whether it faces the other way.
@@ -206,6 +231,19 @@ mod tests {
         // A Möbius strip has no orientation.
         let strip = [[0, 1, 2], [2, 1, 3], [2, 3, 4], [4, 3, 5], [4, 5, 1], [1, 5, 0]];
         assert_eq!(turn(&mut strip.to_vec()), [0; 0]);
+    }
+
+    #[test]
+    fn surfaces_with_a_rim_are_open() {
+        // Two pyramids, of which the second lacks its base, and three faces at one edge.
+        let shifted = PYRAMID[..4].iter().map(|t| t.map(|v| v + 5));
+        let both: Vec<[u32; 3]> = PYRAMID.into_iter().chain(shifted).collect();
+        assert_eq!(are_open(&both, &[true; 10]), [[false; 6].as_slice(), &[true; 4]].concat());
+        assert_eq!(are_open(&[[0, 1, 2], [1, 0, 3], [0, 1, 4]], &[true; 3]), [true; 3]);
+        let with_wing = [PYRAMID.as_slice(), &[[0, 2, 4]]].concat();
+        assert_eq!(are_open(&with_wing, &[true; 7]), [false; 7]);
+        // The two sides of a triangle.
+        assert_eq!(are_open(&[[0, 1, 2], [0, 2, 1]], &[true, false]), [true; 2]);
     }
 
     #[test]

@@ -1,5 +1,5 @@
 //! The solid that a mesh bounds, for any set of triangles: where its winding number is not zero,
-//! and its surface; or its surface alone, if the mesh is its walls ([`SolidRule`]).
+//! and its surface. Walls ([`SolidRule`]) bound no inside: only their triangles count.
 //!
 //! # Steps
 //! 1. Take the mesh in its [frame](Frame), so that another order of its triangles gives the same
@@ -62,6 +62,8 @@ pub struct Solid {
     mesh_count: usize,
     /// For each closing triangle, whether all of it is in the solid.
     is_whole: Vec<bool>,
+    /// Whether there is no inside.
+    is_hollow: bool,
     kind: SolidKind,
 }
 
@@ -138,28 +140,25 @@ impl Solid {
         }
         let mut triangles: Vec<Triangle> = indices.iter().map(|t| t.map(|v| positions[v as usize])).collect();
         let mesh_count = triangles.len();
-        let is_walls = rule.is_walls(&triangles, &distinct, &cones);
-        if is_walls {
-            cones.clear();
-        }
         let is_closed = cones.is_empty();
-        triangles.extend(cones.into_iter().flatten());
+        let walls = rule.walls(&positions, &indices, &distinct, is_closed);
+        let is_walls = walls.is_some();
         let mut counts = distinct;
+        if let Some(walls) = walls {
+            counts.iter_mut().zip(walls).for_each(|(counts, is_wall)| *counts &= !is_wall);
+            cones = closing::cones(&positions, &chosen(&indices, &counts));
+        }
+        triangles.extend(cones.into_iter().flatten());
         counts.resize(triangles.len(), true);
-        let kind = if is_walls || is_flat(&triangles, &counts, diagonal) {
-            SolidKind::Walls
-        } else if is_closed {
-            SolidKind::Watertight
-        } else {
-            SolidKind::Closed
-        };
+        let is_hollow = is_flat(&triangles, &counts, diagonal);
         let tree = TriangleTree::new(&triangles);
         let rounding = ROUNDING * bounds[0].abs().max(bounds[1].abs()).max_element().max(0.0);
         let needles = triangles.iter().map(triangle::needle).fold(0.0, f64::max);
         let surface = ClosedSurface { triangles, counts, tree, diagonal, bounds, moved, rounding, needles };
-        let mut solid = Self { surface, mesh_count, is_whole: Vec::new(), kind };
+        let mut solid = Self { surface, mesh_count, is_whole: Vec::new(), is_hollow, kind: SolidKind::Walls };
         // Volumes of opposite orientation may have cancelled.
-        if kind == SolidKind::Walls && !is_walls && solid.has_inside() {
+        solid.is_hollow = is_hollow && !solid.has_inside();
+        if !is_walls && !solid.is_hollow {
             solid.kind = if is_closed { SolidKind::Watertight } else { SolidKind::Closed };
         }
         let closing = mesh_count as u32..solid.surface.triangles.len() as u32;
@@ -181,11 +180,19 @@ impl Solid {
 
     fn has_inside(&self) -> bool {
         let step = (self.surface.triangles.len() / SHEET_SAMPLE).max(1);
-        self.surface
-            .triangles
-            .iter()
-            .step_by(step)
-            .any(|triangle| self.is_beside_inside(triangle, triangle::centroid(triangle)))
+        let counted = self.surface.triangles.iter().zip(&self.surface.counts).filter(|(_, counts)| **counts);
+        let mut sample = counted.map(|(triangle, _)| triangle).step_by(step);
+        sample.any(|triangle| self.is_beside_inside(triangle, triangle::centroid(triangle)))
+    }
+
+    /// Whether the solid has no inside.
+    pub fn is_hollow(&self) -> bool {
+        self.is_hollow
+    }
+
+    /// Whether a triangle bounds the inside. Walls do not, nor do triangles that repeat another.
+    pub fn bounds_inside(&self, index: usize) -> bool {
+        !self.is_hollow && self.surface.counts[index]
     }
 
     /// The first point after `p` along a unit vector at which a ray meets a triangle.
@@ -328,7 +335,7 @@ impl Solid {
     /// Whether a point is in the solid. A point within [`tolerance`](Self::tolerance) of its
     /// surface may be either.
     pub fn is_inside(&self, p: DVec3) -> bool {
-        if self.kind == SolidKind::Walls || self.surface.is_outside_bounds(p) {
+        if self.is_hollow || self.surface.is_outside_bounds(p) {
             return false;
         }
         for ray in 0..RAYS {

@@ -243,6 +243,66 @@ fn openings_are_kept_and_holes_are_closed() {
     }
 }
 
+/// An apple beside a bowl stays solid, and so does a skin whose faces are repeated and meet in
+/// threes, which has no opening.
+#[test]
+fn closed_surfaces_are_solid_beside_walls() {
+    let mut bowl = block([0.0; 3], [1.0; 3], false);
+    bowl.triangles.drain(2..4);
+    let apple = block([3.0; 3], [4.0; 3], false);
+    let both = joined(&[bowl, apple]);
+    let solid = Solid::new(&both);
+    assert_eq!((solid.kind(), solid.is_hollow()), (SolidKind::Walls, false));
+    let middles = [0.5, 3.5].map(DVec3::splat);
+    assert_eq!(middles.map(|p| solid.is_inside(p)), [false, true]);
+    let walls = Solid::by(&both, SolidRule::Walls);
+    assert!(walls.is_hollow() && !middles.iter().any(|p| walls.is_inside(*p)));
+
+    let mut skin = block([0.0; 3], [1.0; 3], false);
+    // A wall inside divides the cube.
+    skin.triangles.extend([[0, 1, 7], [0, 7, 6]]);
+    let turned = skin.triangles.iter().map(|[a, b, c]| [*a, *c, *b]).collect::<Vec<_>>();
+    skin.triangles.extend(turned);
+    for first in 0..skin.triangles.len() {
+        skin.triangles.rotate_left(first);
+        let solid = Solid::new(&skin);
+        assert!(solid.kind() != SolidKind::Walls, "{first}");
+        let [inside, outside] = [[0.5, 0.25, 0.75], [0.5, 0.25, 1.25]].map(|p| solid.is_inside(DVec3::from_array(p)));
+        assert!(inside && !outside, "{first}");
+    }
+}
+
+/// A cube of 96 square frames is a cage if the bars are thin, and has holes to close if they are
+/// not.
+#[test]
+fn holes_are_kept_if_they_exceed_the_mesh_together() {
+    let cage = |bar: f32| {
+        let mut set = PointSet::default();
+        for (face, i, j) in (0..6).flat_map(|face| (0..4).flat_map(move |i| (0..4).map(move |j| (face, i, j)))) {
+            let at = |u: f32, v: f32| {
+                let mut p = [(i as f32 + u) / 4.0, (j as f32 + v) / 4.0, (face / 3) as f32];
+                p.rotate_right(face % 3);
+                p
+            };
+            let square = |low: f32, high: f32| [at(low, low), at(high, low), at(high, high), at(low, high)];
+            let first = set.positions.len() as u32;
+            set.positions.extend(square(0.0, 1.0).into_iter().chain(square(bar, 1.0 - bar)));
+            let ring = (0..4).flat_map(|k| {
+                let next = (k + 1) % 4;
+                [[k, next, next + 4], [k, next + 4, k + 4]]
+            });
+            let outward = |[a, b, c]: [u32; 3]| if face < 3 { [a, c, b] } else { [a, b, c] };
+            set.triangles.extend(ring.map(|t| outward(t.map(|v| v + first))));
+        }
+        set
+    };
+    for (bar, share, expected) in [(0.1, 0.64 / 0.36, SolidKind::Walls), (0.25, 0.25 / 0.75, SolidKind::Closed)] {
+        let mesh = cage(bar);
+        assert!((Solid::by(&mesh, SolidRule::Closed).hole_share() - share).abs() < 1e-5);
+        assert_eq!(Solid::new(&mesh).kind(), expected, "{bar}");
+    }
+}
+
 #[test]
 fn an_open_box_is_closed() {
     let mut open = block([0.0; 3], [1.0; 3], false);

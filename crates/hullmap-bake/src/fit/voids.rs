@@ -19,7 +19,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Solid, SolidKind, region::Region};
+use super::{Solid, region::Region};
 use crate::{
     deadline::{Deadline, is_over},
     hull::Hull,
@@ -79,7 +79,7 @@ enum Judged {
 /// At most 8⁶ cells, each compared with the planes of the parts that touch the cell around it. An
 /// undecided cell of the last level may take a ray through the mesh.
 pub fn voids(solid: &Solid, parts: &[&Hull], deadline: Option<Deadline>) -> Voids {
-    if solid.kind() == SolidKind::Walls {
+    if solid.is_hollow() {
         return Voids::default();
     }
     let regions: Vec<Region> = parts.iter().filter(|part| part.rank == 3).map(|part| Region::new(part)).collect();

@@ -1,17 +1,20 @@
-//! Whether the solid of an open mesh is its inside or its walls.
+//! Whether open surfaces of a mesh are walls, or bound an inside after their holes are closed.
 //!
 //! A pot, a bottle or a room that is modelled in one layer has openings that bodies must be able to
 //! enter. A scan has holes that nobody wants.
 
 use std::fmt;
 
+use glam::DVec3;
 use hullmap_geometry::triangle::Triangle;
 
-/// Share of its area that has faces on both sides, from which a mesh is its walls: modellers double
-/// the faces of walls that are seen from both sides.
+use super::closing;
+
+/// Share of its area that has faces on both sides, from which an open surface is walls: modellers
+/// double the faces of walls that are seen from both sides.
 const DOUBLED: f64 = 0.5;
 
-/// Area of a hole relative to the mesh's, above which the mesh is its walls. The mouth of a cup of
+/// Area of a hole relative to the open surfaces, above which they are walls. The mouth of a cup of
 /// one layer, as high as it is wide, has a fifth, the bottom that the teapot of V-HACD lacks 12 %,
 /// and a hole of a scan at most 2 %.
 const MOUTH: f64 = 0.125;
@@ -19,13 +22,14 @@ const MOUTH: f64 = 0.125;
 /// Rule for the solid of an open mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SolidRule {
-    /// The walls of a mesh that is open, if half of its area has faces on both sides, or a hole has
-    /// more than an eighth of its area. Otherwise its inside, after its holes are closed.
+    /// Open surfaces are walls if half of their area has faces on both sides, if a hole has more
+    /// than an eighth of their area, or if all holes together have more than their area. Otherwise
+    /// their holes are closed. The inside of closed surfaces is solid.
     #[default]
     Auto,
-    /// Its inside, after its holes are closed.
+    /// The inside, after all holes are closed.
     Closed,
-    /// Its triangles alone.
+    /// All triangles, and no inside.
     Walls,
 }
 
@@ -42,16 +46,34 @@ impl SolidRule {
         }
     }
 
-    /// Whether the solid of a mesh is its walls. `is_first` states for each of its triangles
-    /// whether it repeats none before it; `holes` are the triangles that close each of its holes.
-    pub(super) fn is_walls(self, triangles: &[Triangle], is_first: &[bool], holes: &[Vec<Triangle>]) -> bool {
+    /// For each triangle, whether it is a wall; `None` if none is one. Triangles that are not
+    /// `distinct` repeat another one.
+    pub(super) fn walls(
+        self,
+        positions: &[DVec3],
+        triangles: &[[u32; 3]],
+        distinct: &[bool],
+        is_closed: bool,
+    ) -> Option<Vec<bool>> {
         if self != Self::Auto {
-            return self == Self::Walls;
+            return (self == Self::Walls).then(|| vec![true; triangles.len()]);
         }
-        let of = |triangles: &[Triangle]| triangles.iter().map(area).sum::<f64>();
-        let once: f64 = triangles.iter().zip(is_first).filter(|(_, first)| **first).map(|(t, _)| area(t)).sum();
-        let doubled = of(triangles) - once;
-        !holes.is_empty() && (doubled >= DOUBLED * once || holes.iter().any(|hole| of(hole) > MOUTH * once))
+        if is_closed {
+            return None;
+        }
+        let is_open = closing::are_open(triangles, distinct);
+        let open = |first: bool| {
+            let own = triangles.iter().zip(distinct.iter().zip(&is_open));
+            own.filter(move |(_, (distinct, open))| **open && **distinct == first).map(|(t, _)| *t)
+        };
+        let area = |[a, b, c]: Triangle| 0.5 * (b - a).cross(c - a).length();
+        let total =
+            |own: &mut dyn Iterator<Item = [u32; 3]>| own.map(|t| area(t.map(|v| positions[v as usize]))).sum::<f64>();
+        let (once, doubled) = (total(&mut open(true)), total(&mut open(false)));
+        let holes = closing::cones(positions, &open(true).collect::<Vec<_>>());
+        let holes: Vec<f64> = holes.into_iter().map(|hole| hole.into_iter().map(area).sum()).collect();
+        let has_mouth = holes.iter().any(|hole| *hole > MOUTH * once) || holes.iter().sum::<f64>() > once;
+        (once > 0.0 && (doubled >= DOUBLED * once || has_mouth)).then_some(is_open)
     }
 }
 
@@ -59,8 +81,4 @@ impl fmt::Display for SolidRule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.as_str())
     }
-}
-
-fn area([a, b, c]: &Triangle) -> f64 {
-    0.5 * (*b - *a).cross(*c - *a).length()
 }

@@ -233,7 +233,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Words(&["auto", "closed", "walls"]),
         default: "auto",
         value_name: "auto|closed|walls",
-        help: "closed: close the holes of an open mesh, and count its inside; walls: count its walls only, so that openings stay open; auto: walls if half of its area has faces on both sides, or if a hole has more than an eighth of its area",
+        help: "closed: close the holes of an open mesh, and count its inside; walls: count its walls only, so that openings stay open; auto: open surfaces are walls if half of their area has faces on both sides, a hole has more than an eighth of it, or all holes together more than all of it; closed surfaces are solid",
         section: Section::Parts,
         is_advanced: true,
         scope: Scope::Parts,

@@ -33,8 +33,8 @@ class BakeOptions(TypedDict, total=False):
     """Maximum number of parts. The search then looks for the smallest error."""
     solid: Optional[Literal["auto", "closed", "walls"]]
     """"closed" closes the holes of an open mesh and counts its inside; "walls" counts its walls only, so that
-    openings stay open. "auto", the default, is "walls" if half of the area has faces on both sides, or if a
-    hole has more than an eighth of it."""
+    openings stay open. "auto", the default: open surfaces are walls if half of their area has faces on both sides, a
+    hole has more than an eighth of it, or all holes together more than all of it; closed surfaces are solid."""
     wall: Optional[Union[float, str]]
     """Thickness of the parts of walls; ``"0.5%"`` of the diagonal by default. It is at most half of
     ``max_error``."""

@@ -8,8 +8,9 @@ use glam::DVec3;
 
 use super::{atom::Atom, field::Field};
 use crate::{
-    decompose::patch::{bits, find, join},
+    decompose::patch::bits,
     fit::triangle_tree::TriangleTree,
+    groups::{find, join},
 };
 
 /// Distance up to which a line of sight ends at an atom, relative to the diagonal.

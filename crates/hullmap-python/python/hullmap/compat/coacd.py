@@ -120,9 +120,9 @@ def run_coacd(
     These have no effect. A `BakeWarning` names those that are not at their default, each once in a process:
 
     - ``preprocess_mode``, ``preprocess_resolution``: a mesh is not remeshed, as with "off", which
-      gives no warning. It need not be a manifold. An open mesh is taken as its walls, so bodies can enter it,
-      if half of its area has faces on both sides, or if a hole has more than an eighth of its area. Other
-      holes are closed.
+      gives no warning. It need not be a manifold. Open surfaces are walls, so bodies can enter
+      them, if half of their area has faces on both sides, a hole has more than an eighth of it, or all holes
+      together more than all of it. Other holes are closed.
     - ``resolution``, ``seed``: nothing is sampled. The same arguments give the same parts.
     - ``mcts_nodes``, ``mcts_iterations``, ``mcts_max_depth``: there is no tree search.
     - ``pca``: directions of cuts come from the mesh.
