@@ -54,11 +54,11 @@ impl PartitionSearch<'_> {
         let spacing = self.scale.limit.max((area / BESIDE).sqrt());
         for (index, p) in spread_points(triangles.iter().copied(), spacing * spacing) {
             let up = normal(&triangles[index]).normalize_or_zero();
-            let heights = [1.02 * self.scale.limit, 1.02 * self.field.flat_height()];
-            found.extend(heights.into_iter().filter(|h| *h > 0.0).flat_map(|h| [p + up * h, p - up * h]));
+            let height = 1.02 * self.scale.limit;
+            found.extend([p + up * height, p - up * height]);
         }
         let is_forbidden =
-            |p: &DVec3| hull.holds(*p, 0.0) && !self.is_over() && self.field.is_beyond(*p, self.scale.limit);
+            |p: &DVec3| hull.holds(*p, 0.0) && !self.is_over() && self.field.is_far(*p, self.scale.limit);
         found.into_par_iter().filter(is_forbidden).collect()
     }
 
