@@ -3,9 +3,10 @@
 //!
 //! # Steps
 //! 1. Start with the planes of the largest faces.
-//! 2. Find a point of the polytope that is too far from the solid: a vertex, a point of a face, or
-//!    a point that the proof found. Add the plane of a large face that cuts it off. Repeat.
+//! 2. Find a point of the polytope that is too far from the solid or the part: a vertex, a point of
+//!    a face, or a point that the proof found. Add the plane of a large face that cuts it off. Repeat.
 //! 3. Drop planes, small faces first, as long as nothing becomes too far.
+//! 4. With too many vertices, start again, with more room around the part.
 //!
 //! All planes are moved outward by more than rounding to f32 moves a vertex, so that the hull of
 //! the rounded vertices contains the part.
@@ -32,6 +33,11 @@ const MAX_PROOFS: usize = 24;
 
 /// Maximum number of measurements of a proof.
 pub const MEASUREMENTS: usize = 100_000;
+
+/// Maximum heights above a body that are tried in turn, relative to the limit. The smallest one
+/// that the number of vertices allows follows the body's shape best. Inside the solid, a hull may
+/// be higher than the limit.
+const LOOSENESS: [f64; 3] = [0.25, 0.6, f64::INFINITY];
 
 /// Share of the limit that measured points may use; the rest is for the proof.
 const PLANNED: f64 = 0.975;
@@ -201,11 +207,23 @@ fn around(p: DVec3) -> Vec<[f32; 3]> {
 }
 
 /// A proven hull around `body` with fewer vertices than the body, and at most the allowed number.
-/// It is as loose as the limit allows.
+/// It is as loose as that number requires, and at most as the limit allows.
 ///
 /// # Errors
 /// A point of the body that may be too far from the solid; `None` if no such hull was found.
 pub fn wrap(field: &Field, body: &Body, bounds: &HullLimits) -> Result<(Hull, f64), Option<DVec3>> {
+    let mut found = Err(None);
+    for share in LOOSENESS {
+        found = wrapped(field, body, bounds, share * bounds.limit);
+        if !matches!(found, Err(None)) {
+            break;
+        }
+    }
+    found
+}
+
+/// As [`wrap`]; no vertex is higher above the body's faces than `looseness`.
+fn wrapped(field: &Field, body: &Body, bounds: &HullLimits, looseness: f64) -> Result<(Hull, f64), Option<DVec3>> {
     let middle = body.points.iter().sum::<DVec3>() / body.points.len().max(1) as f64;
     let greatest = body.low.abs().max(body.high.abs()).max_element() + bounds.limit;
     let room = (1e-3 * bounds.limit).clamp(3e-7 * bounds.diagonal, 2e-6 * bounds.diagonal) + 2.0 * ROUNDING * greatest;
@@ -215,7 +233,7 @@ pub fn wrap(field: &Field, body: &Body, bounds: &HullLimits) -> Result<(Hull, f6
         return Err(None);
     }
     let max_vertices = bounds.max_vertices.min(body.points.len().saturating_sub(1));
-    let mut faces = Faces { field, body, bounds, middle, room, refuted: Vec::new() };
+    let mut faces = Faces { field, body, bounds, looseness, middle, room, refuted: Vec::new() };
     let mut planes = faces.largest();
     let mut proofs = 0;
     for _ in 0..MAX_STEPS {
@@ -334,6 +352,7 @@ struct Faces<'a> {
     field: &'a Field<'a>,
     body: &'a Body,
     bounds: &'a HullLimits<'a>,
+    looseness: f64,
     middle: DVec3,
     room: f64,
     refuted: Vec<DVec3>,
@@ -381,7 +400,7 @@ impl Faces<'_> {
         polytope(&moved, self.middle, reach, 0.4 * self.room)
     }
 
-    /// The point of the polytope farthest from the body among those too far from the solid.
+    /// The point of the polytope farthest from the body among those too far from it or the solid.
     fn too_far(&self, planes: &[HalfSpace], vertices: &[DVec3]) -> Option<DVec3> {
         // A point on a face counts as inside, whatever the rounding error.
         let is_in = |p: &&DVec3| planes.iter().all(|plane| plane.height(**p) <= 2.0 * self.room);
@@ -395,7 +414,8 @@ impl Faces<'_> {
             let mut ranked: Vec<(f64, DVec3)> = points.into_iter().map(|p| (height(&p), p)).collect();
             ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
             // Points of the body cannot be cut off.
-            ranked.into_iter().filter(|(h, _)| *h > 3.5 * self.room).find(|(_, p)| self.field.is_beyond(*p, limit))
+            let mut high = ranked.into_iter().filter(|(h, _)| *h > 3.5 * self.room);
+            high.find(|(h, p)| *h > self.looseness || self.field.is_beyond(*p, limit))
         };
         if let Some((_, point)) = worst(vertices.to_vec()) {
             return Some(point);
