@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, Resettable, StyledStr, TypedValueParser};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use hullmap_import::{EXTENSIONS, height_field};
 use hullmap_report::input::Up;
@@ -33,11 +33,10 @@ use hullmap_pipeline::jobs::Selection;
 use hullmap_pipeline::jobs::batch::BatchSize;
 use hullmap_pipeline::jobs::shard::Shard;
 use hullmap_pipeline::options::flag;
-use hullmap_pipeline::options::table::{Section, position};
-use hullmap_pipeline::options::value::Value;
+use hullmap_pipeline::options::table::Section;
 use limits::LimitArgs;
 use numbers::{at_least_one, size};
-use options::{OptionFlags, PartsLayer, TERRAIN};
+use options::{OptionFlags, PartsLayer, joined, with_set};
 use verify::VerifyArgs;
 
 const FILES: &str = Section::Files.heading();
@@ -61,27 +60,17 @@ pub struct Cli {
 pub enum Command {
     /// Bake meshes into .hullmap packs
     #[command(after_help = "Examples:\n  \
-                      bake build rock.obj --out baked --max-vertices 64            (shape)\n  \
-                      bake build chair.glb --out baked --decompose --max-error 1%  (parts)\n  \
-                      bake build assets --out baked --verify --prune               (files)\n  \
-                      bake build assets --out baked --index compact                (index)\n  \
-                      bake build assets --out baked --check                        (in CI: exit 1 if a pack is stale)\n  \
-                      bake build assets --out baked --shard 0/8                    (farm: one of eight machines)")]
+                      bake build assets --out baked                    (convex hulls)\n  \
+                      bake build chair.glb --out baked --decompose     (convex parts)\n  \
+                      bake build assets --out baked --check            (in CI: exit 1 if a pack is stale)")]
     Build(Box<BuildArgs>),
-    /// Bake terrains, grids of heights, into .hullfield files
-    // In a build of many files, rules of hullmap.toml choose the terrains.
-    #[command(after_help = "Examples:\n  \
-                      bake terrain dem.asc --out baked\n  \
-                      bake terrain ground.png --out baked --spacing 0.5 --height-scale 120\n  \
-                      bake terrain ground.f32 --out baked --columns 1025 --rows 1025 --spacing 2 --hole=-9999")]
-    Terrain(Box<BuildArgs>),
     /// Decompose a mesh file into a file of convex parts, without a pack
     #[command(after_help = "Examples:\n  \
                       bake decompose chair.obj parts.obj\n  \
                       bake decompose chair.glb parts.glb --max-error 1% --max-parts 16")]
     Decompose(Box<DecomposeArgs>),
     /// Print a hash of everything that each pack depends on
-    #[command(after_help = "Example:\n  bake key assets --record-source name")]
+    #[command(after_help = "Example:\n  bake key assets --set record_source=name")]
     Key(Box<KeyArgs>),
     /// List the work of a build as tasks for other machines
     #[command(after_help = "Examples:\n  \
@@ -89,7 +78,7 @@ pub enum Command {
                       bake plan assets --out baked --emit ninja > build.ninja")]
     Plan(Box<PlanArgs>),
     /// Bake tasks of a plan
-    #[command(after_help = "Example:\n  bake task plan.jsonl --index 3")]
+    #[command(after_help = "Example:\n  bake task plan.jsonl 3")]
     Task(TaskArgs),
     /// List packs that are missing or stale, by their headers
     #[command(after_help = "Example:\n  bake status assets --out baked --shards 64")]
@@ -138,14 +127,11 @@ pub struct MeshArgs {
     pub options: OptionFlags,
     #[command(flatten)]
     pub limits: LimitArgs,
-    /// Read options from FILE [default: the nearest hullmap.toml above each mesh]
-    #[arg(long, value_name = "FILE", help_heading = FILES)]
+    /// Read options from FILE, or `none` [default: the nearest hullmap.toml above a mesh]
+    #[arg(long, hide_short_help = true, value_name = "FILE", help_heading = FILES)]
     pub config: Option<PathBuf>,
-    /// Do not read any hullmap.toml
-    #[arg(long, hide_short_help = true, conflicts_with = "config", help_heading = FILES)]
-    pub no_config: bool,
     /// Leave out meshes that match GLOB, as in hullmap.toml; repeatable
-    #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = FILES)]
+    #[arg(long, hide_short_help = true, value_name = "GLOB", value_parser = Glob::new, help_heading = FILES)]
     pub exclude: Vec<Glob>,
     /// In folders, also bake hidden meshes, and meshes that a .gitignore names
     #[arg(long, hide_short_help = true, help_heading = FILES)]
@@ -153,6 +139,7 @@ pub struct MeshArgs {
     /// In folders, bake only meshes of these formats; for instance `obj,glb`
     #[arg(
         long,
+        hide_short_help = true,
         value_name = "LIST",
         value_delimiter = ',',
         value_parser = PossibleValuesParser::new(EXTENSIONS.into_iter().chain(height_field::EXTENSIONS)),
@@ -170,7 +157,6 @@ impl MeshArgs {
             inputs: own.inputs,
             options: own.options.0,
             config: own.config,
-            no_config: own.no_config,
             exclude: own.exclude,
             no_ignore: own.no_ignore,
             extensions: own.ext,
@@ -183,17 +169,17 @@ pub struct RunArgs {
     /// Number of threads [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = RUNNING)]
     pub jobs: Option<u16>,
-    /// Maximum memory for files in progress; a file that needs more is baked alone [default: 4G]
-    #[arg(long, value_name = "SIZE", value_parser = size, help_heading = RUNNING)]
+    /// Maximum memory; a file that needs more is baked alone [default: 4G]
+    #[arg(long, hide_short_help = true, value_name = "SIZE", value_parser = size, help_heading = RUNNING)]
     pub memory: Option<u64>,
     /// List fresh packs too
-    #[arg(long, help_heading = RUNNING)]
+    #[arg(long, hide_short_help = true, help_heading = RUNNING)]
     pub verbose: bool,
     /// Print only errors
-    #[arg(long, conflicts_with = "verbose", help_heading = RUNNING)]
+    #[arg(long, hide_short_help = true, conflicts_with = "verbose", help_heading = RUNNING)]
     pub quiet: bool,
     /// Print one JSON object per file
-    #[arg(long, help_heading = RUNNING)]
+    #[arg(long, hide_short_help = true, help_heading = RUNNING)]
     pub json: bool,
 }
 
@@ -205,34 +191,33 @@ pub struct BuildArgs {
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Bake every mesh, even if its pack is fresh
-    #[arg(long, help_heading = RUNNING)]
+    #[arg(long, hide_short_help = true, help_heading = RUNNING)]
     pub force: bool,
-    /// Bake nothing; list stale and missing packs, and exit with 1 if there are any. A forged pack
-    /// can be fresh; `bake verify` rejects it
+    /// Bake nothing; list stale and missing packs, and exit with 1 if there are any
     #[arg(long, conflicts_with_all = ["force", "verify", "watch", "depfile"], help_heading = RUNNING)]
     pub check: bool,
-    /// Remove packs whose source is gone; with --check, exit with 1 if there are any
-    #[arg(long, help_heading = FILES)]
+    /// Remove packs whose source is gone; with --check, only report them
+    #[arg(long, hide_short_help = true, help_heading = FILES)]
     pub prune: bool,
     /// Verify each pack before it replaces the old one
-    #[arg(long, help_heading = RUNNING)]
+    #[arg(long, hide_short_help = true, help_heading = RUNNING)]
     pub verify: bool,
-    /// Keep running and bake files that change, or whose packs are deleted, until Ctrl-C
-    #[arg(long, help_heading = RUNNING)]
+    /// Keep running, and bake files that change or whose packs are deleted
+    #[arg(long, hide_short_help = true, help_heading = RUNNING)]
     pub watch: bool,
     /// Write the dependencies of each pack to FILE, for Ninja and Make
-    #[arg(long, value_name = "FILE", help_heading = FILES)]
+    #[arg(long, hide_short_help = true, value_name = "FILE", help_heading = FILES)]
     pub depfile: Option<PathBuf>,
     /// Write a single target, which depends on all sources and folders, to the depfile
-    #[arg(long, hide_short_help = true, value_name = "TARGET", requires = "depfile", help_heading = FILES)]
+    #[arg(long = "set depfile_target", require_equals = true, value_name = "TARGET", requires = "depfile", help_heading = FILES)]
     pub depfile_target: Option<PathBuf>,
     #[command(flatten)]
     pub run: RunArgs,
     /// Bake only the meshes of shard I of N, counted from 0, for instance 0/8
     #[arg(long, hide_short_help = true, value_name = "I/N", help_heading = FARM)]
     pub shard: Option<Shard>,
-    /// Take finished packs from DIR, by their keys, and add packs that are baked; DIR may be shared
-    #[arg(long, value_name = "DIR", conflicts_with = "check", hide_short_help = true, help_heading = FARM)]
+    /// Take finished packs from DIR, which may be shared, and add baked ones
+    #[arg(long, value_name = "DIR", conflicts_with = "check", hide_short_help = true, help_heading = FILES)]
     pub cache: Option<PathBuf>,
 }
 
@@ -245,7 +230,7 @@ pub struct DecomposeArgs {
     #[arg(value_name = "OUT", required_unless_present = "curve", conflicts_with = "curve")]
     pub output: Option<PathBuf>,
     /// Write no file, and print how many parts errors around the maximum error give
-    #[arg(long, help_heading = RUNNING, conflicts_with_all = ["max_parts", "decompose_seconds", "force"])]
+    #[arg(long, help_heading = RUNNING, conflicts_with_all = ["max_parts", "force"])]
     pub curve: bool,
     #[command(flatten)]
     pub options: PartsLayer,
@@ -287,7 +272,7 @@ pub struct PlanArgs {
     pub batch: usize,
     /// Approximate bytes of source per task; a mesh above a quarter of it is a task of its own
     /// [default: 32M]
-    #[arg(long, value_name = "SIZE", value_parser = size, help_heading = "Tasks")]
+    #[arg(long = "set batch_bytes", require_equals = true, value_name = "SIZE", value_parser = size, help_heading = "Tasks")]
     pub batch_bytes: Option<u64>,
     /// Form of the plan: one JSON object per task, or a file for Ninja
     #[arg(
@@ -312,9 +297,9 @@ pub struct TaskArgs {
     /// The plan: a file of tasks, one per line (`-`: standard input)
     #[arg(value_name = "PLAN")]
     pub plan: PathBuf,
-    /// Run only the task with this index; repeatable [default: all tasks]
-    #[arg(long, value_name = "I")]
-    pub index: Vec<usize>,
+    /// Tasks to run, by their indices [default: all tasks]
+    #[arg(value_name = "INDEX")]
+    pub indices: Vec<usize>,
     /// Folder of the packs [default: the one that the plan names]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -386,16 +371,15 @@ pub struct RobotArgs {
         value_enum,
         default_value_t = FromVisual::Missing,
         value_name = "missing|always|never",
-        hide_possible_values = true,
-        help_heading = Section::Parts.heading()
+        hide_possible_values = true
     )]
     pub from_visual: FromVisual,
     /// Leave the collisions of links that match GLOB alone; repeatable
-    #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = Section::Parts.heading())]
-    pub skip: Vec<Glob>,
+    #[arg(long, value_name = "GLOB", value_parser = Glob::new)]
+    pub exclude: Vec<Glob>,
     /// Replace the inertia of each link by the inertia of its meshes, for the mass that the link
     /// states
-    #[arg(long, help_heading = Section::Shape.heading())]
+    #[arg(long)]
     pub inertia: bool,
     /// Exclude contacts of pairs of links that touch in the neutral pose or in all poses. MJCF gets
     /// `exclude` elements. A URDF file gets an SRDF file, which also has parents and children, and
@@ -403,7 +387,14 @@ pub struct RobotArgs {
     #[arg(long, help_heading = FILES)]
     pub exclude_pairs: bool,
     /// Number of random configurations for the tests of pairs of links
-    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(0..=1_000_000), help_heading = FILES)]
+    #[arg(
+        long = "set samples",
+        require_equals = true,
+        value_name = "N",
+        default_value_t = 10_000,
+        value_parser = clap::value_parser!(u32).range(0..=1_000_000),
+        help_heading = FILES
+    )]
     pub samples: u32,
     /// Seed of these configurations
     #[arg(long, value_name = "SEED", default_value_t = 0, hide_short_help = true, help_heading = FILES)]
@@ -411,12 +402,9 @@ pub struct RobotArgs {
     /// Write a page of the robot: links in 3D, joints, protrusion, pairs of links that touch
     #[arg(long, value_name = "FILE.html", conflicts_with = "check", help_heading = FILES)]
     pub report: Option<PathBuf>,
-    /// Read options from FILE [default: the nearest hullmap.toml above each description]
+    /// Read options from FILE, or `none` [default: the nearest hullmap.toml above each description]
     #[arg(long, value_name = "FILE", help_heading = FILES)]
     pub config: Option<PathBuf>,
-    /// Do not read any hullmap.toml
-    #[arg(long, hide_short_help = true, conflicts_with = "config", help_heading = FILES)]
-    pub no_config: bool,
     /// Bake every mesh again, and allow --out to name an input
     #[arg(long, help_heading = RUNNING)]
     pub force: bool,
@@ -542,16 +530,13 @@ pub fn program(words: &[OsString]) -> String {
 }
 
 pub fn command(program: &str) -> clap::Command {
-    let hidden = |own: clap::Command| {
+    let of_robots = |own: clap::Command| {
         own.mut_args(|option| {
             let is_decided = DECIDED_BY_ROBOTS.contains(&option.get_id().as_str());
             if is_decided { option.hide(true) } else { option }
         })
     };
-    let of_grids = |own: clap::Command| {
-        own.mut_arg("inputs", |inputs| inputs.help("Files of heights, or folders to search for .asc, .png and .f32"))
-    };
-    let command = Cli::command().bin_name(program).mut_subcommand("robot", hidden).mut_subcommand(TERRAIN, of_grids);
+    let command = Cli::command().bin_name(program).mut_subcommand("robot", of_robots).mut_subcommands(with_set);
     if program == "bake" {
         return command;
     }
@@ -563,8 +548,7 @@ pub fn command(program: &str) -> clap::Command {
         let (about, examples) = (text(command.get_about()), text(command.get_after_help()));
         command.about(about).after_help(examples)
     };
-    let names: Vec<String> = command.get_subcommands().map(|own| own.get_name().to_owned()).collect();
-    names.into_iter().fold(renamed(command), |command, name| command.mut_subcommand(name, renamed))
+    renamed(command).mut_subcommands(renamed)
 }
 
 /// Parses the command line. The error is clap's: exit code 2, or 0 for `--help` and `--version`.
@@ -574,6 +558,7 @@ where
     T: Into<OsString> + Clone,
 {
     let words: Vec<OsString> = words.into_iter().map(Into::into).collect();
+    let words = joined(&words);
     parse_words(&words).map_err(|error| {
         if error.kind() == ErrorKind::DisplayHelp && words.iter().any(|word| word == "--help") {
             return whole_help(&words).unwrap_or(error);
@@ -586,12 +571,11 @@ where
 
 /// The help with every flag, one line each: clap's own `--help` takes three times as many lines.
 fn whole_help(words: &[OsString]) -> Option<clap::Error> {
-    let mut command = command(&program(words));
-    let names: Vec<String> = command.get_subcommands().map(|own| own.get_name().to_owned()).collect();
-    for name in names {
-        let shown = |own: clap::Command| own.mut_args(|argument| argument.hide_short_help(false));
-        command = command.mut_subcommand(name, shown);
-    }
+    let shown = |arg: Arg| match arg.get_long_help().cloned() {
+        Some(help) => arg.help(help).hide_short_help(false),
+        None => arg.hide_short_help(false),
+    };
+    let command = command(&program(words)).mut_subcommands(|own| own.mut_args(shown));
     let short = |word: &OsString| if word == "--help" { OsString::from("-h") } else { word.clone() };
     command.try_get_matches_from(words.iter().map(short)).err()
 }
@@ -601,18 +585,15 @@ fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
     let parsed = command(&program)
         .try_get_matches_from(words)
         .and_then(|found| Cli::from_arg_matches(&found).map_err(|error| error.format(&mut command(&program))));
-    let mut cli = parsed.map_err(|error| match unquoted_pose(words) {
+    let cli = parsed.map_err(|error| match unquoted_pose(words) {
         Some(pose) if error.kind() == ErrorKind::UnknownArgument => {
             let message = format!("--pose requires its seven numbers in quotes: --pose \"{pose}\"");
             subcommand_error(&program, "query", ErrorKind::WrongNumberOfValues, message)
         }
         _ => guesses::with_tip(with_usage(&program, error, words.get(1)), words, &command(&program)),
     })?;
-    if let Command::Terrain(args) = &mut cli.command {
-        args.meshes.options.0.set_at(position("terrain").unwrap_or_default(), Some(Value::Switch(true)));
-    }
     if let Some((name, options)) = cli.command.options() {
-        let clash = options.0.clash().map(|clash| clash.message(|key| format!("--{}", flag(key))));
+        let clash = options.0.clash().map(|clash| clash.message(flag));
         if let Some(message) = clash.or_else(|| guesses::detached_value(words)) {
             return Err(subcommand_error(&program, name, ErrorKind::ArgumentConflict, message));
         }
@@ -624,7 +605,6 @@ impl Command {
     fn options(&self) -> Option<(&'static str, &OptionFlags)> {
         match self {
             Self::Build(args) => Some(("build", &args.meshes.options)),
-            Self::Terrain(args) => Some((TERRAIN, &args.meshes.options)),
             Self::Key(args) => Some(("key", &args.meshes.options)),
             Self::Plan(args) => Some(("plan", &args.meshes.options)),
             Self::Status(args) => Some(("status", &args.meshes.options)),

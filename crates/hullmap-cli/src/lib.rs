@@ -70,7 +70,7 @@ pub fn run<W: Into<OsString> + Clone>(words: impl IntoIterator<Item = W>) -> u8 
 
 fn dispatch(cli: &Cli, program: &str, out: &mut Output) -> Result<Exit, Failure> {
     match &cli.command {
-        Command::Build(args) | Command::Terrain(args) => commands::build::run(args, out),
+        Command::Build(args) => commands::build::run(args, out),
         Command::Decompose(args) => commands::decompose::run(args, out),
         Command::Key(args) => commands::key::run(args, out),
         Command::Plan(args) => commands::plan::run(args, out),

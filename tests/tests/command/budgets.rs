@@ -60,7 +60,7 @@ fn builds_are_within_every_limit_of_their_engine() {
         // Parts have a number of vertices that is within every limit, so two engines are enough.
         let options: &[&str] = if ["physx-gpu", "box3d"].contains(&engine) { &["", "--decompose"] } else { &[""] };
         for options in options {
-            let line = format!("build . --out p --index none --for-engine {engine} {options} --quiet");
+            let line = format!("build . --out p --set index=none --for-engine {engine} {options} --quiet");
             bake(&folder, &line).expect(0);
             let packs = packs(&folder);
             assert_eq!(packs.len(), 5);

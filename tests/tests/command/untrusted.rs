@@ -59,7 +59,7 @@ fn names_cannot_control_the_terminal() {
         "build gone/NAME --out p",
         "build in/NAME2.obj --out p/NAME.hullmap",
         "build in --out o --NAME",
-        "build in --out o --index NAME",
+        "build in --out o --set index=NAME",
         "build in --out o --config NAME",
         "build in/NAME.obj --out p --depfile deps",
         "inspect p",

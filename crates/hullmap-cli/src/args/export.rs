@@ -36,12 +36,12 @@ pub struct ExportArgs {
     pub is_static: bool,
     /// Draft of KHR_physics_rigid_bodies
     #[arg(
-        long,
+        long = "set draft",
+        require_equals = true,
         value_enum,
         default_value_t = Draft::October2025,
         value_name = "2025-10|2026-06",
-        hide_possible_values = true,
-        hide_short_help = true
+        hide_possible_values = true
     )]
     pub draft: Draft,
     /// Export only this hull, by name or index; repeatable
@@ -58,7 +58,7 @@ pub struct ExportArgs {
     #[arg(long = "visible")]
     pub is_visible: bool,
     /// Prefix of file names in MJCF, URDF and SDF, for instance package://robot/meshes/
-    #[arg(long, value_name = "PREFIX")]
+    #[arg(long = "set mesh_prefix", require_equals = true, value_name = "PREFIX")]
     pub mesh_prefix: Option<String>,
     /// Density for the masses in MJCF, URDF, SDF and USD, and with --into: kilograms per cubic unit
     /// of the pack, with --into of the glTF file. Default 1000; in USD, 1000 per cubic metre

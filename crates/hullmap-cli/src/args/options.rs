@@ -1,6 +1,9 @@
-//! The options as flags of the subcommands, made from the table.
+//! The options as flags of the subcommands, made from the table; for the few, as keys of `--set`.
+//!
+//! clap sees `--set wall=1%` as the flag `--set wall`, so that each key has a parser, conflicts and
+//! messages of its own.
 
-use std::sync::LazyLock;
+use std::ffi::OsString;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::{Arg, ArgMatches, Command};
@@ -9,14 +12,64 @@ use hullmap_pipeline::options::table::{BuildOption, OPTIONS, Scope, Section, pos
 use hullmap_pipeline::options::value::{Syntax, Value};
 use hullmap_pipeline::options::{OptionLayer, flag};
 
-/// The flags, in the order of the help. clap takes names that live as long as the program.
-static FLAGS: LazyLock<Vec<(&'static BuildOption, &'static str)>> = LazyLock::new(|| {
-    Section::ALL.iter().flat_map(|own| own.options()).map(|option| (option, &*flag(option.key).leak())).collect()
-});
+/// The options, in the order of the help.
+fn in_order() -> impl Iterator<Item = &'static BuildOption> {
+    Section::ALL.iter().flat_map(|section| section.options())
+}
 
-/// The subcommand that takes the options of terrains. All others take the options of meshes, and
-/// find terrains by the rules of `hullmap.toml`.
-pub const TERRAIN: &str = "terrain";
+/// The key of an argument that has no flag of its own.
+pub fn key_of(arg: &Arg) -> Option<&str> {
+    arg.get_long()?.strip_prefix("set ")
+}
+
+/// The words of a command line with `--set` and its key in one word. A key that has a flag becomes
+/// the flag.
+pub fn joined(words: &[OsString]) -> Vec<OsString> {
+    let (mut joined, mut words) = (Vec::with_capacity(words.len()), words.iter());
+    while let Some(word) = words.next() {
+        let setting = match word.to_str().and_then(|word| word.strip_prefix("--set")) {
+            Some("") => words.next().map(|next| next.to_string_lossy().into_owned()),
+            Some(rest) => rest.strip_prefix('=').map(str::to_owned),
+            None => None,
+        };
+        joined.push(setting.map_or_else(
+            || word.clone(),
+            |setting| {
+                let (key, value) = setting.split_at(setting.find('=').unwrap_or(setting.len()));
+                let key = key.replace('-', "_");
+                let flag = if position(&key).is_some() { flag(&key) } else { format!("--set {key}") };
+                format!("{flag}{value}").into()
+            },
+        ));
+    }
+    joined
+}
+
+/// The subcommand with `--set` in its help, in place of the keys.
+pub fn with_set(own: Command) -> Command {
+    let keys: Vec<_> = own.get_arguments().filter(|arg| !arg.is_hide_set()).filter_map(key_of).collect();
+    if keys.is_empty() {
+        return own;
+    }
+    let help = "Set a further option; repeatable";
+    let set = Arg::new("set")
+        .long("set")
+        .value_name("KEY=VALUE")
+        .help(help)
+        .long_help(format!("{help}. Keys: {}", keys.join(", ")))
+        .value_parser(PossibleValuesParser::new(keys.iter().map(|key| format!("{key}="))))
+        .hide_possible_values(true);
+    own.arg(set).mut_args(|arg| if key_of(&arg).is_some() { arg.hide(true) } else { arg })
+}
+
+/// The command without keys, which are no words of a shell.
+pub fn without_keys(own: &Command) -> Command {
+    Command::new(own.get_name().to_owned())
+        .about(own.get_about().cloned().unwrap_or_default())
+        .disable_help_subcommand(true)
+        .args(own.get_arguments().filter(|arg| key_of(arg).is_none()).cloned())
+        .subcommands(own.get_subcommands().map(without_keys))
+}
 
 /// The options of a subcommand as flags.
 #[derive(Clone, Debug)]
@@ -24,16 +77,8 @@ pub struct OptionFlags(pub OptionLayer);
 
 impl clap::Args for OptionFlags {
     fn augment_args(command: Command) -> Command {
-        let is_terrain = command.get_name() == TERRAIN;
-        let is_taken = |option: &BuildOption| match option.scope {
-            Scope::All => option.key != "terrain",
-            Scope::Terrains => is_terrain,
-            _ => !is_terrain,
-        };
-        let mut taken: Vec<_> = FLAGS.iter().filter(|(option, _)| is_taken(option)).collect();
-        // The help has the options of the subcommand first.
-        taken.sort_by_key(|(option, _)| option.scope != Scope::Terrains);
-        command.args(taken.into_iter().map(|(option, flag)| arg(option, flag)))
+        let is_of_robots = command.get_name() == "robot";
+        command.args(in_order().filter(|own| !is_of_robots || own.scope != Scope::Terrains).map(arg))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -41,27 +86,17 @@ impl clap::Args for OptionFlags {
     }
 }
 
-/// Options have help of their own where the help of `bake build` is also about whole hulls.
-const OF_PARTS: [(&str, Option<&str>); 9] = [
-    (
-        "max_error",
-        Some(
-            "How far parts may protrude from the mesh's solid: a length, or a share of the mesh's diagonal such as 1%; default 2%",
-        ),
-    ),
-    ("max_vertices", Some("Maximum number of vertices of each part, 4 or more; default 64")),
-    (
-        "for_engine",
-        Some(
-            "Simplify parts to the limits of an engine: physx, physx-gpu, jolt, box3d, unity, unreal, newton or mujoco-warp",
-        ),
-    ),
-    ("max_parts", None),
-    ("solid", None),
-    ("wall", None),
-    ("decompose_seconds", None),
-    ("unit_scale", None),
-    ("up_axis", None),
+/// The options of `bake decompose`.
+const OF_PARTS: [&str; 9] = [
+    "decompose_seconds",
+    "for_engine",
+    "max_error",
+    "max_parts",
+    "max_vertices",
+    "solid",
+    "unit_scale",
+    "up_axis",
+    "wall",
 ];
 
 /// Options of a decomposition as flags of `bake decompose`.
@@ -70,14 +105,9 @@ pub struct PartsLayer(pub OptionLayer);
 
 impl clap::Args for PartsLayer {
     fn augment_args(command: Command) -> Command {
-        command.args(OF_PARTS.iter().filter_map(|(key, help)| {
-            let (option, flag) = FLAGS.iter().find(|(option, _)| option.key == *key)?;
-            let arg = arg(option, flag).hide_short_help(false);
-            Some(match help {
-                Some(help) => arg.help(*help),
-                None => arg,
-            })
-        }))
+        let no_curve = |own: &BuildOption| (own.key == "decompose_seconds").then_some("curve");
+        let own = in_order().filter(|own| OF_PARTS.contains(&own.key));
+        command.args(own.map(|own| arg(own).conflicts_with_all(no_curve(own))))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -93,7 +123,7 @@ impl clap::FromArgMatches for PartsLayer {
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        for (key, _) in OF_PARTS {
+        for key in OF_PARTS {
             if let Some(index) = position(key) {
                 self.0.set_at(index, matches.get_one::<Value>(key).cloned());
             }
@@ -121,23 +151,23 @@ impl clap::FromArgMatches for OptionFlags {
     }
 }
 
-fn arg(option: &'static BuildOption, flag: &'static str) -> Arg {
+fn arg(option: &'static BuildOption) -> Arg {
     let help = match option.default {
-        value if value != "false" && option.syntax.parse(value) != Ok(Value::None) => {
+        value if value != "false" && value != "none" => {
             format!("{} [default: {value}]", option.help)
         }
         _ => option.help.to_owned(),
     };
     let arg = Arg::new(option.key)
-        .long(flag)
-        .help(help)
-        .help_heading(option.section.heading())
+        .long(flag(option.key)[2..].to_owned())
+        .help(option.help.split(". ").next().unwrap_or_default())
+        .long_help(help)
+        .help_heading((option.section != Section::Parts).then_some(option.section.heading()))
+        .hide_short_help(option.section != Section::Parts || option.key == "solid")
         .value_name(option.value_name)
         .value_parser(value_parser(option))
         .hide_possible_values(true)
-        // Heights, offsets and origins may be below 0.
-        .allow_hyphen_values(option.scope == Scope::Terrains)
-        .hide_short_help(option.is_advanced);
+        .require_equals(option.is_advanced);
     match (option.syntax, option.default) {
         // A switch that is on by default can only be switched off, with a value.
         (Syntax::Switch, "false") => arg.num_args(0..=1).require_equals(true).default_missing_value("true"),

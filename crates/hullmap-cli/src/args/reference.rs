@@ -9,6 +9,9 @@ use std::{env, fs};
 
 use clap::{Arg, Command};
 
+use super::DECIDED_BY_ROBOTS;
+use super::options::key_of;
+
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/COMMAND.md");
 const END: &str = "<!-- end -->\n";
 
@@ -17,6 +20,7 @@ fn typed(arg: &Arg) -> String {
     let names = arg.get_value_names().unwrap_or_default().join(" ");
     match arg.get_long() {
         // A switch takes its value after `=`, and rarely has one.
+        Some(long) if key_of(arg).is_some() => format!("--{long}={names}"),
         Some(long) if !arg.get_action().takes_values() || arg.is_require_equals_set() => format!("--{long}"),
         Some(long) => format!("--{long} {names}"),
         None => names,
@@ -24,7 +28,9 @@ fn typed(arg: &Arg) -> String {
 }
 
 fn meaning(arg: &Arg) -> String {
-    let help = arg.get_help().map(ToString::to_string).unwrap_or_default();
+    let is_listed = arg.get_id() == "set";
+    let help = arg.get_long_help().filter(|_| !is_listed).or(arg.get_help());
+    let help = help.map(ToString::to_string).unwrap_or_default();
     assert!(!help.is_empty(), "no help: {}", typed(arg));
     let values: Vec<_> = arg.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
     match values.as_slice() {
@@ -43,7 +49,10 @@ fn block(own: &Command, build: &Command) -> String {
         let same = |other: &Arg| other.get_long() == arg.get_long() && meaning(other) == meaning(arg);
         arg.get_long().is_some() && own.get_name() != "build" && build.get_arguments().any(same)
     };
-    let shown = own.get_arguments().filter(|arg| !arg.is_hide_set() && arg.get_id() != "help");
+    let is_of_robots = own.get_name() == "robot";
+    let is_decided = |arg: &Arg| is_of_robots && DECIDED_BY_ROBOTS.contains(&arg.get_id().as_str());
+    let is_shown = |arg: &&Arg| !arg.is_hide_set() || key_of(arg).is_some() && !is_decided(arg);
+    let shown = own.get_arguments().filter(is_shown).filter(|arg| arg.get_id() != "help");
     let (repeated, listed): (Vec<_>, Vec<_>) = shown.partition(|arg| is_repeated(arg));
     // As in the help: arguments without a heading come first, then headings as they appear.
     let mut headings: Vec<_> = listed.iter().map(|arg| arg.get_help_heading()).collect();

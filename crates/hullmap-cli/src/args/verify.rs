@@ -20,7 +20,7 @@ pub struct VerifyArgs {
     pub require_source: bool,
     /// List every hull in the table, not one line per pack
     #[arg(long)]
-    pub hulls: bool,
+    pub verbose: bool,
     /// Fail if a hull is not within the limits of an engine: physx, physx-gpu, jolt, box3d, unity,
     /// unreal, newton or mujoco-warp
     #[arg(long, value_name = "ENGINE", value_parser = PossibleValuesParser::new(&NAMES[1..]), hide_possible_values = true)]

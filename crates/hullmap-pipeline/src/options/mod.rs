@@ -15,7 +15,8 @@ pub use layer::OptionLayer;
 pub use resolved::{BuildOptions, RecordSource};
 pub use template::template;
 
-/// The flag of an option, without dashes in front.
+/// An option on the command line: `--max-error`, or `--set wall`.
 pub fn flag(key: &str) -> String {
-    key.replace('_', "-")
+    let is_advanced = table::position(key).is_some_and(|index| table::OPTIONS[index].is_advanced);
+    if is_advanced { format!("--set {key}") } else { format!("--{}", key.replace('_', "-")) }
 }

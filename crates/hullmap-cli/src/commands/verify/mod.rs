@@ -61,7 +61,7 @@ pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
         return Ok(exit);
     }
     let has_hulls = !results.is_empty() || surfaces.is_empty();
-    let mut written = if has_hulls { write_text(&results, args.hulls, out) } else { Ok(()) };
+    let mut written = if has_hulls { write_text(&results, args.verbose, out) } else { Ok(()) };
     if !surfaces.is_empty() && written.is_ok() {
         let gap = if has_hulls { out.line("").map_err(Failure::from) } else { Ok(()) };
         written = gap.and_then(|()| surfaces::write_text(&surfaces, out));
