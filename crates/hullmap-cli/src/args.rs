@@ -41,7 +41,6 @@ use verify::VerifyArgs;
 
 const FILES: &str = Section::Files.heading();
 const RUNNING: &str = "Running";
-const FARM: &str = "Farm";
 
 /// Default of `--memory` in bytes: what a machine with 8 GiB can spare.
 pub const DEFAULT_MEMORY: u64 = 4 << 30;
@@ -69,26 +68,15 @@ pub enum Command {
                       bake decompose chair.obj parts.obj\n  \
                       bake decompose chair.glb parts.glb --max-error 1% --max-parts 16")]
     Decompose(Box<DecomposeArgs>),
-    /// Print a hash of everything that each pack depends on
-    #[command(after_help = "Example:\n  bake key assets --set record_source=name")]
-    Key(Box<KeyArgs>),
-    /// List the work of a build as tasks for other machines
+    /// Replace collision meshes in robots: URDF, MJCF, SDF
     #[command(after_help = "Examples:\n  \
-                      bake plan assets --out baked > plan.jsonl\n  \
-                      bake plan assets --out baked --emit ninja > build.ninja")]
-    Plan(Box<PlanArgs>),
-    /// Bake tasks of a plan
-    #[command(after_help = "Example:\n  bake task plan.jsonl 3")]
-    Task(TaskArgs),
-    /// List packs that are missing or stale, by their headers
-    #[command(after_help = "Example:\n  bake status assets --out baked --shards 64")]
-    Status(Box<StatusArgs>),
+                      bake robot arm.urdf --out arm_hulls.urdf                          (exact hulls)\n  \
+                      bake robot arm.xml --out baked --decompose --max-error 2mm        (parts)\n  \
+                      bake robot arm.urdf --out arm_hulls.urdf --check                  (in CI: exit 1 if it would change)")]
+    Robot(Box<RobotArgs>),
     /// Verify packs against the meshes they were baked from
     #[command(after_help = "Example:\n  bake verify baked --source assets --directions 200000")]
     Verify(VerifyArgs),
-    /// Describe the hulls in packs
-    #[command(after_help = "Example:\n  bake inspect baked/gear.hullmap --json")]
-    Inspect(InspectArgs),
     /// Write hulls as meshes, into glTF, or as a layer of USD
     #[command(after_help = "Examples:\n  \
                       bake export baked/rock.hullmap --out rock.glb\n  \
@@ -98,24 +86,53 @@ pub enum Command {
                       bake export baked/arm.hullmap --for urdf --out arm\n  \
                       bake export baked/seat.hullmap --for usd --prim /World/chair --asset ./chair.usd --out hulls.usda")]
     Export(ExportArgs),
-    /// Replace collision meshes in robots: URDF, MJCF, SDF
-    #[command(after_help = "Examples:\n  \
-                      bake robot arm.urdf --out arm_hulls.urdf                          (exact hulls)\n  \
-                      bake robot arm.xml --out baked --decompose --max-error 2mm        (parts)\n  \
-                      bake robot arm.urdf --out arm_hulls.urdf --check                  (in CI: exit 1 if it would change)")]
-    Robot(Box<RobotArgs>),
-    /// Compute intersection, distance or contact of two hulls or packs
-    #[command(after_help = "Example:\n  bake query baked/rock.hullmap baked/cube.hullmap --pose \"0.5 0 0 0 0 0 1\"")]
-    Query(QueryArgs),
+    /// Describe the hulls in packs
+    #[command(after_help = "Example:\n  bake inspect baked/gear.hullmap --json")]
+    Inspect(InspectArgs),
     /// Write an HTML report of packs: meshes, hulls, query costs
     #[command(after_help = "Example:\n  bake report baked --out report.html")]
     Report(ReportArgs),
+    /// Compute intersection, distance or contact of two hulls or packs
+    #[command(after_help = "Example:\n  bake query baked/rock.hullmap baked/cube.hullmap --pose \"0.5 0 0 0 0 0 1\"")]
+    Query(QueryArgs),
     /// Write a hullmap.toml with every option commented out
     #[command(after_help = "Example:\n  bake init assets")]
     Init(InitArgs),
+    /// Share one build between many machines
+    #[command(
+        subcommand,
+        after_help = "Examples:\n  \
+                      bake farm build assets --out baked --shard 0/8\n  \
+                      bake farm plan assets --out baked > plan.jsonl"
+    )]
+    Farm(Farm),
     /// Print a completion script for a shell
-    #[command(after_help = "Example:\n  bake completions bash > ~/.local/share/bash-completion/completions/bake")]
+    #[command(
+        hide = true,
+        after_help = "Example:\n  bake completions bash > ~/.local/share/bash-completion/completions/bake"
+    )]
     Completions(CompletionsArgs),
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Farm {
+    /// Bake one shard of the meshes
+    #[command(after_help = "Example:\n  bake farm build assets --out baked --shard 0/8")]
+    Build(Box<ShardArgs>),
+    /// List the work of a build as tasks for other machines
+    #[command(after_help = "Examples:\n  \
+                      bake farm plan assets --out baked > plan.jsonl\n  \
+                      bake farm plan assets --out baked --emit ninja > build.ninja")]
+    Plan(Box<PlanArgs>),
+    /// Bake tasks of a plan
+    #[command(after_help = "Example:\n  bake farm task plan.jsonl 3")]
+    Task(TaskArgs),
+    /// Print a hash of everything that each pack depends on
+    #[command(after_help = "Example:\n  bake farm key assets --set record_source=name")]
+    Key(Box<KeyArgs>),
+    /// List packs that are missing or stale, by their headers
+    #[command(after_help = "Example:\n  bake farm status assets --out baked --shards 64")]
+    Status(Box<StatusArgs>),
 }
 
 #[derive(Clone, Debug, clap::Args)]
@@ -167,16 +184,16 @@ impl MeshArgs {
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct RunArgs {
     /// Number of threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = RUNNING)]
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = RUNNING)]
     pub jobs: Option<u16>,
     /// Maximum memory; a file that needs more is baked alone [default: 4G]
     #[arg(long, hide_short_help = true, value_name = "SIZE", value_parser = size, help_heading = RUNNING)]
     pub memory: Option<u64>,
     /// List fresh packs too
-    #[arg(long, hide_short_help = true, help_heading = RUNNING)]
+    #[arg(short, long, hide_short_help = true, help_heading = RUNNING)]
     pub verbose: bool,
     /// Print only errors
-    #[arg(long, hide_short_help = true, conflicts_with = "verbose", help_heading = RUNNING)]
+    #[arg(short, long, hide_short_help = true, conflicts_with = "verbose", help_heading = RUNNING)]
     pub quiet: bool,
     /// Print one JSON object per file
     #[arg(long, hide_short_help = true, help_heading = RUNNING)]
@@ -188,7 +205,7 @@ pub struct BuildArgs {
     #[command(flatten)]
     pub meshes: MeshArgs,
     /// Write packs to DIR, which mirrors the input folders
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
     /// Bake every mesh, even if its pack is fresh
     #[arg(long, hide_short_help = true, help_heading = RUNNING)]
@@ -213,12 +230,21 @@ pub struct BuildArgs {
     pub depfile_target: Option<PathBuf>,
     #[command(flatten)]
     pub run: RunArgs,
-    /// Bake only the meshes of shard I of N, counted from 0, for instance 0/8
-    #[arg(long, hide_short_help = true, value_name = "I/N", help_heading = FARM)]
+    /// The shard of `bake farm build`.
+    #[arg(skip)]
     pub shard: Option<Shard>,
     /// Take finished packs from DIR, which may be shared, and add baked ones
     #[arg(long, value_name = "DIR", conflicts_with = "check", hide_short_help = true, help_heading = FILES)]
     pub cache: Option<PathBuf>,
+}
+
+#[derive(Debug, clap::Args)]
+pub struct ShardArgs {
+    /// Bake only the meshes of shard I of N, counted from 0, for instance 0/8
+    #[arg(long, value_name = "I/N")]
+    pub shard: Shard,
+    #[command(flatten)]
+    pub build: BuildArgs,
 }
 
 #[derive(Debug, clap::Args)]
@@ -240,7 +266,7 @@ pub struct DecomposeArgs {
     #[arg(long, help_heading = RUNNING)]
     pub force: bool,
     /// Print only errors
-    #[arg(long, help_heading = RUNNING)]
+    #[arg(short, long, help_heading = RUNNING)]
     pub quiet: bool,
     /// Print one JSON object
     #[arg(long, help_heading = RUNNING)]
@@ -253,7 +279,7 @@ pub struct KeyArgs {
     pub meshes: MeshArgs,
     /// Folder in which the packs would be: paths in packs are relative to it [default: beside the
     /// meshes]
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print one JSON object per mesh, with everything that goes into its key
     #[arg(long)]
@@ -265,7 +291,7 @@ pub struct PlanArgs {
     #[command(flatten)]
     pub meshes: MeshArgs,
     /// Folder of the packs, which mirrors the input folders
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
     /// Approximate number of meshes per task
     #[arg(long, value_name = "N", default_value_t = BatchSize::default().meshes, value_parser = at_least_one, help_heading = "Tasks")]
@@ -301,7 +327,7 @@ pub struct TaskArgs {
     #[arg(value_name = "INDEX")]
     pub indices: Vec<usize>,
     /// Folder of the packs [default: the one that the plan names]
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     #[command(flatten)]
     pub limits: LimitArgs,
@@ -326,7 +352,7 @@ pub struct StatusArgs {
     #[command(flatten)]
     pub meshes: MeshArgs,
     /// Folder of the packs, which mirrors the input folders
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
     /// Number of shards of the bake; lists those that are incomplete
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
@@ -355,7 +381,7 @@ pub struct RobotArgs {
     #[arg(required = true, value_name = "FILE")]
     pub inputs: Vec<PathBuf>,
     /// File to write, or folder for all of them; hulls go to a folder beside each
-    #[arg(long, value_name = "DIR|FILE")]
+    #[arg(short, long, value_name = "DIR|FILE")]
     pub out: PathBuf,
     #[command(flatten)]
     pub options: OptionFlags,
@@ -470,7 +496,7 @@ pub struct ReportArgs {
     pub input: PathBuf,
     /// HTML file to write, without need of a network; of a folder, the pages of its packs go to a
     /// folder beside it
-    #[arg(long, value_name = "REPORT.html")]
+    #[arg(short, long, value_name = "REPORT.html")]
     pub out: PathBuf,
     /// The source mesh, or a folder of meshes [default: as for `bake verify`]
     #[arg(long, value_name = "PATH")]
@@ -540,15 +566,15 @@ pub fn command(program: &str) -> clap::Command {
     if program == "bake" {
         return command;
     }
-    let renamed = |command: clap::Command| {
+    fn renamed(command: clap::Command, program: &str) -> clap::Command {
         let text = |text: Option<&StyledStr>| {
             let renamed = text.map(|text| text.to_string().replace("bake ", &format!("{program} ")).into());
             Resettable::<StyledStr>::from(renamed)
         };
         let (about, examples) = (text(command.get_about()), text(command.get_after_help()));
-        command.about(about).after_help(examples)
-    };
-    renamed(command).mut_subcommands(renamed)
+        command.about(about).after_help(examples).mut_subcommands(|own| renamed(own, program))
+    }
+    renamed(command, program)
 }
 
 /// Parses the command line. The error is clap's: exit code 2, or 0 for `--help` and `--version`.
@@ -575,7 +601,8 @@ fn whole_help(words: &[OsString]) -> Option<clap::Error> {
         Some(help) => arg.help(help).hide_short_help(false),
         None => arg.hide_short_help(false),
     };
-    let command = command(&program(words)).mut_subcommands(|own| own.mut_args(shown));
+    let whole = |own: clap::Command| own.mut_args(shown);
+    let command = command(&program(words)).mut_subcommands(|own| whole(own).mut_subcommands(whole));
     let short = |word: &OsString| if word == "--help" { OsString::from("-h") } else { word.clone() };
     command.try_get_matches_from(words.iter().map(short)).err()
 }
@@ -585,30 +612,34 @@ fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
     let parsed = command(&program)
         .try_get_matches_from(words)
         .and_then(|found| Cli::from_arg_matches(&found).map_err(|error| error.format(&mut command(&program))));
-    let cli = parsed.map_err(|error| match unquoted_pose(words) {
+    let mut cli = parsed.map_err(|error| match unquoted_pose(words) {
         Some(pose) if error.kind() == ErrorKind::UnknownArgument => {
             let message = format!("--pose requires its seven numbers in quotes: --pose \"{pose}\"");
-            subcommand_error(&program, "query", ErrorKind::WrongNumberOfValues, message)
+            subcommand(words).error(ErrorKind::WrongNumberOfValues, message)
         }
-        _ => guesses::with_tip(with_usage(&program, error, words.get(1)), words, &command(&program)),
+        _ => guesses::with_tip(with_usage(error, words), words),
     })?;
-    if let Some((name, options)) = cli.command.options() {
+    if let Command::Farm(Farm::Build(args)) = &mut cli.command {
+        args.build.shard = Some(args.shard);
+    }
+    if let Some(options) = cli.command.options() {
         let clash = options.0.clash().map(|clash| clash.message(flag));
         if let Some(message) = clash.or_else(|| guesses::detached_value(words)) {
-            return Err(subcommand_error(&program, name, ErrorKind::ArgumentConflict, message));
+            return Err(subcommand(words).error(ErrorKind::ArgumentConflict, message));
         }
     }
     Ok(cli)
 }
 
 impl Command {
-    fn options(&self) -> Option<(&'static str, &OptionFlags)> {
+    fn options(&self) -> Option<&OptionFlags> {
         match self {
-            Self::Build(args) => Some(("build", &args.meshes.options)),
-            Self::Key(args) => Some(("key", &args.meshes.options)),
-            Self::Plan(args) => Some(("plan", &args.meshes.options)),
-            Self::Status(args) => Some(("status", &args.meshes.options)),
-            Self::Robot(args) => Some(("robot", &args.options)),
+            Self::Build(args) => Some(&args.meshes.options),
+            Self::Robot(args) => Some(&args.options),
+            Self::Farm(Farm::Build(args)) => Some(&args.build.meshes.options),
+            Self::Farm(Farm::Key(args)) => Some(&args.meshes.options),
+            Self::Farm(Farm::Plan(args)) => Some(&args.meshes.options),
+            Self::Farm(Farm::Status(args)) => Some(&args.meshes.options),
             _ => None,
         }
     }
@@ -623,24 +654,24 @@ fn unquoted_pose(words: &[OsString]) -> Option<String> {
 }
 
 /// The error with the usage of its subcommand, which clap leaves out for wrong values.
-fn with_usage(program: &str, mut error: clap::Error, subcommand: Option<&OsString>) -> clap::Error {
-    let mut command = command(program);
-    command.build();
-    let subcommand = subcommand.and_then(|name| name.to_str()).and_then(|name| command.find_subcommand_mut(name));
-    if let Some(subcommand) = subcommand
-        && error.get(ContextKind::Usage).is_none()
-    {
-        error.insert(ContextKind::Usage, ContextValue::StyledStr(subcommand.render_usage()));
+fn with_usage(mut error: clap::Error, words: &[OsString]) -> clap::Error {
+    if error.get(ContextKind::Usage).is_none() {
+        let usage = subcommand(words).render_usage();
+        error.insert(ContextKind::Usage, ContextValue::StyledStr(usage));
     }
     error
 }
 
-fn subcommand_error(program: &str, subcommand: &str, kind: ErrorKind, message: String) -> clap::Error {
-    let mut command = command(program);
+/// The subcommand that the words name.
+fn subcommand(words: &[OsString]) -> clap::Command {
+    let mut own = command(&program(words));
     // A subcommand gets its full name from this call.
-    command.build();
-    match command.find_subcommand_mut(subcommand) {
-        Some(subcommand) => subcommand.error(kind, message),
-        None => command.error(kind, message),
+    own.build();
+    for word in words.iter().skip(1) {
+        match own.find_subcommand(word).cloned() {
+            Some(inner) => own = inner,
+            None => break,
+        }
     }
+    own
 }

@@ -10,7 +10,7 @@ use hullmap_import::{self as import, ImportError, Imported, Limits, MeshArrays, 
 
 use crate::baker::{BakedPack, bake_pack};
 use crate::options::removed::instead_of_option;
-use crate::options::table::{BuildOption, OPTIONS, Record, Scope};
+use crate::options::table::{BuildOption, OPTIONS, Record, Scope, named};
 use crate::options::{BuildOptions, OptionLayer};
 use crate::triangle_mesh::{BakedTriangles, adapted, bake_triangles};
 
@@ -168,10 +168,9 @@ pub fn without_flags(message: &str, name: impl Fn(&str) -> String) -> String {
             let end = word.find(|c: char| !(c.is_ascii_lowercase() || "-_".contains(c))).unwrap_or(word.len());
             let (flag, rest) = word.split_at(end);
             let key = flag.replace('-', "_");
-            if at % 2 == 0 && OPTIONS.iter().any(|option| option.key == key) {
-                text += &name(&key);
-            } else {
-                text += &format!("--{set}{flag}");
+            match named(&key).filter(|_| at % 2 == 0) {
+                Some(index) => text += &name(OPTIONS[index].key),
+                None => text += &format!("--{set}{flag}"),
             }
             text += rest;
         }

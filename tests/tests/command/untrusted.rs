@@ -167,7 +167,7 @@ fn an_entry_of_another_mesh_fails_its_verification() {
     let mesh = |height: u8| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 {height}\n");
     let folder = folder(&[("in/0.obj", &mesh(1)), ("in/3.obj", &mesh(4))]);
     let build = "build in --out o --cache cache --json --force";
-    let rows = bake(&folder, "key in --out o --json").expect(0).json();
+    let rows = bake(&folder, "farm key in --out o --json").expect(0).json();
     bake(&folder, build).expect(0);
     let entry = |row: usize| {
         let key = rows[row]["key"].as_str().unwrap();

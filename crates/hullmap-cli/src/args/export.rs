@@ -14,7 +14,7 @@ pub struct ExportArgs {
     #[arg(required = true, value_name = "FILE|DIR")]
     pub packs: Vec<PathBuf>,
     /// File to write, or folder if several files are written [default: standard output]
-    #[arg(long, value_name = "PATH")]
+    #[arg(short, long, value_name = "PATH")]
     pub out: Option<PathBuf>,
     /// Format of the meshes [default: the extension of --out, or the usual one of the engine]
     #[arg(long, value_enum, value_name = "obj|stl|glb|json|f32", hide_possible_values = true)]

@@ -5,14 +5,18 @@
 use std::ffi::OsString;
 use std::path::Path;
 
+use clap::ValueEnum;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
+use super::export::Target;
+use super::subcommand;
+use hullmap_pipeline::budget::budget;
 use hullmap_pipeline::options::flag;
 use hullmap_pipeline::options::removed::instead_of_option;
 use hullmap_pipeline::options::table::OPTIONS;
 use hullmap_pipeline::options::value::Syntax;
 
-const SUBCOMMANDS: [(&[&str], &str); 12] = [
+const SUBCOMMANDS: [(&[&str], &str); 13] = [
     (
         &["split", "vhacd", "coacd", "parts"],
         "convex parts are made by `bake decompose MESH OUT.obj`, and in packs by `bake build MESH --out DIR --decompose`",
@@ -25,13 +29,14 @@ const SUBCOMMANDS: [(&[&str], &str); 12] = [
     (&["view", "html", "visualise", "visualize", "open"], "packs are drawn on a page by `bake report`"),
     (&["clean", "prune", "remove"], "packs whose source is gone are removed by `bake build --prune`"),
     (&["terrain", "heightfield"], "grids of heights are baked by `bake build FILE --out DIR --terrain`"),
+    (&["key", "plan", "task", "status", "shard"], "one build on many machines is made by `bake farm`"),
     (&["watch"], "files that change are baked by `bake build --watch`"),
     (&["config", "new"], "a hullmap.toml is written by `bake init`"),
     (&["help", "version"], "pass it as a flag: `bake --help`, `bake COMMAND --help`, `bake --version`"),
 ];
 
 /// Guessed flags, without dashes, and the flags that are meant, for subcommands that have these.
-const FLAGS: [(&[&str], &str, &str); 20] = [
+const FLAGS: [(&[&str], &str, &str); 21] = [
     (&["simplify", "vertices-max", "max-verts", "max-points", "decimate"], "max-vertices", "--max-vertices N"),
     (&["tolerance", "error", "epsilon", "threshold", "concavity"], "max-error", "--max-error E"),
     (&["parts", "num-parts", "hulls", "max-hulls", "max-convex-hulls"], "max-parts", "--decompose --max-parts N"),
@@ -44,22 +49,23 @@ const FLAGS: [(&[&str], &str, &str); 20] = [
     (&["scale", "unit", "units"], "unit-scale", "--unit-scale F"),
     (&["up", "axis", "y-up", "z-up"], "up-axis", "--up-axis y-to-z or z-to-y"),
     (&["recenter", "center", "centre"], "set recentre", "--set recentre=true"),
-    (&["output", "output-dir", "o", "dir"], "out", "--out"),
-    (&["threads", "j", "workers"], "jobs", "--jobs N"),
+    (&["output", "output-dir", "dir"], "out", "--out"),
+    (&["threads", "workers"], "jobs", "--jobs N"),
     (&["dry-run", "n"], "check", "--check"),
     (&["overwrite", "f", "rebuild"], "force", "--force"),
     (&["clean", "delete"], "prune", "--prune"),
     (&["filter", "formats", "extensions"], "ext", "--ext LIST"),
     (&["skip", "ignore"], "exclude", "--exclude GLOB"),
-    (&["engine", "target"], "for", "--for unreal, godot, mjcf or urdf"),
+    (&["engine", "target"], "for", "--for ENGINE"),
     (&["samples", "count"], "directions", "--directions N"),
     (&["no-config"], "config", "--config none"),
+    (&["shard"], "prune", "`bake farm build --shard I/N`"),
     (&["hulls"], "require-source", "--verbose"),
     (&["mesh", "input"], "source", "--source PATH"),
 ];
 
-/// The error with the name that is meant, if a guess is known. `root` has all subcommands.
-pub fn with_tip(error: clap::Error, words: &[OsString], root: &clap::Command) -> clap::Error {
+/// The error with the name that is meant, if a guess is known.
+pub fn with_tip(error: clap::Error, words: &[OsString]) -> clap::Error {
     let context = |kind| match error.get(kind) {
         Some(ContextValue::String(text)) => text.clone(),
         _ => String::new(),
@@ -69,6 +75,15 @@ pub fn with_tip(error: clap::Error, words: &[OsString], root: &clap::Command) ->
             let name = context(ContextKind::InvalidSubcommand).to_lowercase();
             SUBCOMMANDS.iter().find(|(guesses, _)| guesses.contains(&&*name)).map(|(_, tip)| (*tip).to_owned())
         }
+        ErrorKind::InvalidValue if context(ContextKind::InvalidArg).starts_with("--for ") => {
+            let engine = context(ContextKind::InvalidValue);
+            let has_files = Target::from_str(&engine, false).is_ok();
+            let of_files =
+                has_files.then(|| format!("{engine} has no limits; `bake export --for {engine}` writes its files"));
+            let of_limits =
+                || format!("{engine} has no files of its own; `bake build --for {engine}` meets its limits");
+            of_files.or_else(|| budget(&engine).map(|_| of_limits()))
+        }
         ErrorKind::UnknownArgument => {
             let argument = context(ContextKind::InvalidArg);
             let name = argument.trim_start_matches('-').trim_start_matches("set ");
@@ -76,7 +91,8 @@ pub fn with_tip(error: clap::Error, words: &[OsString], root: &clap::Command) ->
             if let Some(instead) = instead_of_option(&name) {
                 return with_suggestion(error, instead.to_owned());
             }
-            let is_known = |own: &str| words.get(1).is_some_and(|command| has_flag(root, command, own));
+            let command = subcommand(words);
+            let is_known = |own: &str| command.get_arguments().any(|argument| argument.get_long() == Some(own));
             let meant = FLAGS.iter().find(|(guesses, own, _)| guesses.contains(&&*name) && is_known(own));
             // `bake decompose` decomposes without a flag.
             let usage = |usage: &str| {
@@ -102,11 +118,6 @@ fn with_suggestion(mut error: clap::Error, tip: String) -> clap::Error {
     error.remove(ContextKind::SuggestedSubcommand);
     error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
     error
-}
-
-fn has_flag(root: &clap::Command, command: &OsString, name: &str) -> bool {
-    let own = command.to_str().and_then(|command| root.find_subcommand(command));
-    own.is_some_and(|own| own.get_arguments().any(|argument| argument.get_long() == Some(name)))
 }
 
 /// The error for a switch with a separate value: `--decompose true` bakes a mesh named `true`.

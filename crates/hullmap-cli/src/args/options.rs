@@ -8,7 +8,7 @@ use std::ffi::OsString;
 use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::{Arg, ArgMatches, Command};
 
-use hullmap_pipeline::options::table::{BuildOption, OPTIONS, Scope, Section, position};
+use hullmap_pipeline::options::table::{BuildOption, OPTIONS, Scope, Section, named, position};
 use hullmap_pipeline::options::value::{Syntax, Value};
 use hullmap_pipeline::options::{OptionLayer, flag};
 
@@ -37,7 +37,8 @@ pub fn joined(words: &[OsString]) -> Vec<OsString> {
             |setting| {
                 let (key, value) = setting.split_at(setting.find('=').unwrap_or(setting.len()));
                 let key = key.replace('-', "_");
-                let flag = if position(&key).is_some() { flag(&key) } else { format!("--set {key}") };
+                let flag =
+                    if let Some(index) = named(&key) { flag(OPTIONS[index].key) } else { format!("--set {key}") };
                 format!("{flag}{value}").into()
             },
         ));
@@ -47,6 +48,7 @@ pub fn joined(words: &[OsString]) -> Vec<OsString> {
 
 /// The subcommand with `--set` in its help, in place of the keys.
 pub fn with_set(own: Command) -> Command {
+    let own = own.mut_subcommands(with_set);
     let keys: Vec<_> = own.get_arguments().filter(|arg| !arg.is_hide_set()).filter_map(key_of).collect();
     if keys.is_empty() {
         return own;

@@ -18,11 +18,12 @@ const END: &str = "<!-- end -->\n";
 /// An argument as it is typed: `--max-vertices N`, `INPUT`.
 fn typed(arg: &Arg) -> String {
     let names = arg.get_value_names().unwrap_or_default().join(" ");
+    let short = arg.get_short().map_or_else(String::new, |short| format!("-{short}, "));
     match arg.get_long() {
         // A switch takes its value after `=`, and rarely has one.
         Some(long) if key_of(arg).is_some() => format!("--{long}={names}"),
-        Some(long) if !arg.get_action().takes_values() || arg.is_require_equals_set() => format!("--{long}"),
-        Some(long) => format!("--{long} {names}"),
+        Some(long) if !arg.get_action().takes_values() || arg.is_require_equals_set() => format!("{short}--{long}"),
+        Some(long) => format!("{short}--{long} {names}"),
         None => names,
     }
 }
@@ -42,12 +43,12 @@ fn meaning(arg: &Arg) -> String {
 }
 
 /// Usage and arguments of a subcommand. Flags that mean the same in `bake build` are only named.
-fn block(own: &Command, build: &Command) -> String {
+fn block(name: &str, own: &Command, build: &Command) -> String {
     let usage = own.clone().render_usage().to_string();
     let mut text = format!("    {}\n", usage.trim_start_matches("Usage: "));
     let is_repeated = |arg: &Arg| {
         let same = |other: &Arg| other.get_long() == arg.get_long() && meaning(other) == meaning(arg);
-        arg.get_long().is_some() && own.get_name() != "build" && build.get_arguments().any(same)
+        arg.get_long().is_some() && name != "build" && build.get_arguments().any(same)
     };
     let is_of_robots = own.get_name() == "robot";
     let is_decided = |arg: &Arg| is_of_robots && DECIDED_BY_ROBOTS.contains(&arg.get_id().as_str());
@@ -90,11 +91,16 @@ fn the_page_has_the_flags_of_the_command() {
     let build = command.find_subcommand("build").unwrap();
     let page = fs::read_to_string(PAGE).unwrap();
     let mut made = page.clone();
-    for own in command.get_subcommands() {
-        let mark = format!("<!-- bake {}: made by args/reference.rs -->\n", own.get_name());
+    let inner = command.get_subcommands().flat_map(|own| {
+        let name = |inner: &Command| format!("{} {}", own.get_name(), inner.get_name());
+        own.get_subcommands().map(move |inner| (name(inner), inner))
+    });
+    let outer = command.get_subcommands().filter(|own| !own.has_subcommands());
+    for (name, own) in outer.map(|own| (own.get_name().to_owned(), own)).chain(inner) {
+        let mark = format!("<!-- bake {name}: made by args/reference.rs -->\n");
         let (before, rest) = made.split_once(&mark).unwrap_or_else(|| panic!("docs/COMMAND.md lacks {mark}"));
         let (_, after) = rest.split_once(END).unwrap();
-        made = format!("{before}{mark}{}{END}{after}", block(own, build));
+        made = format!("{before}{mark}{}{END}{after}", block(&name, own, build));
     }
     if env::var_os("UPDATE").is_some() {
         fs::write(PAGE, &made).unwrap();

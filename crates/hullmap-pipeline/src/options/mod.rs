@@ -15,8 +15,14 @@ pub use layer::OptionLayer;
 pub use resolved::{BuildOptions, RecordSource};
 pub use template::template;
 
+/// The name of an option in `hullmap.toml` and on the command line. Records and bindings have its
+/// key, since `for` is a keyword of Python.
+pub fn name(key: &str) -> &str {
+    if key == "for_engine" { "for" } else { key }
+}
+
 /// An option on the command line: `--max-error`, or `--set wall`.
 pub fn flag(key: &str) -> String {
     let is_advanced = table::position(key).is_some_and(|index| table::OPTIONS[index].is_advanced);
-    if is_advanced { format!("--set {key}") } else { format!("--{}", key.replace('_', "-")) }
+    if is_advanced { format!("--set {key}") } else { format!("--{}", name(key).replace('_', "-")) }
 }

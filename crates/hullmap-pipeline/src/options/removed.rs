@@ -11,6 +11,8 @@ pub const INDEX: &str = "the options index-budget and resolution were removed; c
 
 pub const WALL: &str = "min_thickness was renamed; use wall";
 
+pub const ENGINE: &str = "for_engine and --budget were renamed; use --for, or the key for";
+
 pub const SYMMETRY: &str = "the option symmetry was removed; parts of a symmetric mesh are symmetric unless that \
                             takes more parts";
 
@@ -42,6 +44,7 @@ pub fn instead_of_option(key: &str) -> Option<&'static str> {
     match key.replace('-', "_").as_str() {
         "index_budget" | "resolution" => Some(INDEX),
         "min_thickness" => Some(WALL),
+        "for_engine" | "budget" => Some(ENGINE),
         "symmetry" => Some(SYMMETRY),
         "fill" => Some(FILL),
         "overlap" => Some(OVERLAP),

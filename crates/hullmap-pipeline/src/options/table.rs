@@ -5,6 +5,7 @@
 
 use hullmap_format::header::FileKind;
 
+use super::name;
 use super::removed::instead_of_value;
 use super::value::Syntax::{
     self, CountOrNone, Finite, FiniteOrNone, HoleOrNone, LengthOrNone, NameOrNone, PairOrNone, Positive,
@@ -413,4 +414,9 @@ const TERRAIN: BuildOption =
 
 pub fn position(key: &str) -> Option<usize> {
     OPTIONS.iter().position(|option| option.key == key)
+}
+
+/// The option of a [`name`].
+pub fn named(text: &str) -> Option<usize> {
+    OPTIONS.iter().position(|option| name(option.key) == text)
 }

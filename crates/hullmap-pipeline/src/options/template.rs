@@ -3,6 +3,7 @@
 
 use std::fmt::Write;
 
+use super::name;
 use super::table::{BuildOption, Section};
 use super::value::Syntax;
 
@@ -57,7 +58,7 @@ pub fn template() -> String {
         text += heading;
         // Rules choose the terrains.
         for option in section.options().filter(|option| option.key != "terrain") {
-            let _ = writeln!(text, "# {}.\n# {} = {}", option.help, option.key, toml_value(option));
+            let _ = writeln!(text, "# {}.\n# {} = {}", option.help, name(option.key), toml_value(option));
         }
     }
     text + RULES
