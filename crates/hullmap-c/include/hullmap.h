@@ -1199,7 +1199,7 @@ HullmapResult hullmap_pack_hull_facts(const HullmapPack *pack,
                                       size_t hull,
                                       HullmapHullFacts *facts);
 
-// The primitive that may replace the hull of index `hull` (option `primitives` of `bake build`). Its kind is
+// The primitive that may replace the hull of index `hull` (option `primitives`). Its kind is
 // HULLMAP_PRIMITIVE_KIND_NONE if there is none, or the bake did not look for primitives.
 HullmapResult hullmap_pack_hull_primitive(const HullmapPack *pack,
                                           size_t hull,

@@ -36,7 +36,7 @@ use hullmap_pipeline::options::flag;
 use hullmap_pipeline::options::table::Section;
 use limits::LimitArgs;
 use numbers::{at_least_one, size};
-use options::{OptionFlags, PartsLayer, joined, with_set};
+use options::{OptionFlags, joined, with_set};
 use verify::VerifyArgs;
 
 const FILES: &str = Section::Files.heading();
@@ -154,16 +154,7 @@ pub struct MeshArgs {
     #[arg(long, hide_short_help = true, help_heading = FILES)]
     pub no_ignore: bool,
     /// In folders, bake only meshes of these formats; for instance `obj,glb`
-    #[arg(
-        long,
-        hide_short_help = true,
-        value_name = "LIST",
-        value_delimiter = ',',
-        value_parser = PossibleValuesParser::new(EXTENSIONS.into_iter().chain(height_field::EXTENSIONS)),
-        ignore_case = true,
-        hide_possible_values = true,
-        help_heading = FILES
-    )]
+    #[arg(long, hide_short_help = true, value_name = "LIST", value_delimiter = ',', value_parser = PossibleValuesParser::new(EXTENSIONS.into_iter().chain(height_field::EXTENSIONS)), ignore_case = true, help_heading = FILES)]
     pub ext: Vec<String>,
 }
 
@@ -226,7 +217,7 @@ pub struct BuildArgs {
     #[arg(long, hide_short_help = true, value_name = "FILE", help_heading = FILES)]
     pub depfile: Option<PathBuf>,
     /// Write a single target, which depends on all sources and folders, to the depfile
-    #[arg(long = "set depfile_target", require_equals = true, value_name = "TARGET", requires = "depfile", help_heading = FILES)]
+    #[arg(long = "set depfile_target", value_name = "TARGET", requires = "depfile", help_heading = FILES)]
     pub depfile_target: Option<PathBuf>,
     #[command(flatten)]
     pub run: RunArgs,
@@ -259,7 +250,7 @@ pub struct DecomposeArgs {
     #[arg(long, help_heading = RUNNING, conflicts_with_all = ["max_parts", "force"])]
     pub curve: bool,
     #[command(flatten)]
-    pub options: PartsLayer,
+    pub options: OptionFlags,
     #[command(flatten)]
     pub limits: LimitArgs,
     /// Replace OUT if it exists
@@ -298,17 +289,10 @@ pub struct PlanArgs {
     pub batch: usize,
     /// Approximate bytes of source per task; a mesh above a quarter of it is a task of its own
     /// [default: 32M]
-    #[arg(long = "set batch_bytes", require_equals = true, value_name = "SIZE", value_parser = size, help_heading = "Tasks")]
+    #[arg(long = "set batch_bytes", value_name = "SIZE", value_parser = size, help_heading = "Tasks")]
     pub batch_bytes: Option<u64>,
     /// Form of the plan: one JSON object per task, or a file for Ninja
-    #[arg(
-        long,
-        value_enum,
-        default_value_t = Emit::Json,
-        value_name = "json|ninja",
-        hide_possible_values = true,
-        help_heading = "Tasks"
-    )]
+    #[arg(long, value_enum, default_value_t = Emit::Json, value_name = "json|ninja", help_heading = "Tasks")]
     pub emit: Emit,
 }
 
@@ -392,13 +376,7 @@ pub struct RobotArgs {
     pub packages: Vec<PathBuf>,
     /// Links that get collisions from their visuals: links of URDF and SDF without one (missing),
     /// all links, which lose their own (always), or none (never)
-    #[arg(
-        long,
-        value_enum,
-        default_value_t = FromVisual::Missing,
-        value_name = "missing|always|never",
-        hide_possible_values = true
-    )]
+    #[arg(long, value_enum, default_value_t = FromVisual::Missing, value_name = "missing|always|never")]
     pub from_visual: FromVisual,
     /// Leave the collisions of links that match GLOB alone; repeatable
     #[arg(long, value_name = "GLOB", value_parser = Glob::new)]
@@ -413,16 +391,9 @@ pub struct RobotArgs {
     #[arg(long, help_heading = FILES)]
     pub exclude_pairs: bool,
     /// Number of random configurations for the tests of pairs of links
-    #[arg(
-        long = "set samples",
-        require_equals = true,
-        value_name = "N",
-        default_value_t = 10_000,
-        value_parser = clap::value_parser!(u32).range(0..=1_000_000),
-        help_heading = FILES
-    )]
+    #[arg(long = "set samples", value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(0..=1_000_000), help_heading = FILES)]
     pub samples: u32,
-    /// Seed of these configurations
+    /// Seed of these random configurations
     #[arg(long, value_name = "SEED", default_value_t = 0, hide_short_help = true, help_heading = FILES)]
     pub seed: u64,
     /// Write a page of the robot: links in 3D, joints, protrusion, pairs of links that touch
@@ -476,13 +447,7 @@ pub struct QueryArgs {
     #[arg(long = "poses", value_name = "FILE")]
     pub pose_file: Option<PathBuf>,
     /// Query to compute
-    #[arg(
-        long,
-        value_enum,
-        default_value_t = Mode::Contact,
-        value_name = "intersect|distance|contact",
-        hide_possible_values = true
-    )]
+    #[arg(long, value_enum, default_value_t = Mode::Contact, value_name = "intersect|distance|contact")]
     pub mode: Mode,
     /// Print one JSON object per pose
     #[arg(long)]
@@ -508,7 +473,7 @@ pub struct ReportArgs {
     #[arg(long)]
     pub merge: bool,
     /// Axis that points up in the pictures
-    #[arg(long, value_parser = up(), default_value = "z", value_name = "z|y", hide_possible_values = true)]
+    #[arg(long, value_parser = up(), default_value = "z", value_name = "z|y")]
     pub up: Up,
     /// Number of directions to test on each hull
     #[arg(long, value_name = "N", default_value_t = DEFAULT_DIRECTIONS, value_parser = at_least_one)]
@@ -540,7 +505,7 @@ pub struct InitArgs {
 #[derive(Debug, clap::Args)]
 pub struct CompletionsArgs {
     /// The shell
-    #[arg(value_enum, value_name = "bash|elvish|fish|powershell|zsh", hide_possible_values = true)]
+    #[arg(value_enum, value_name = "bash|elvish|fish|powershell|zsh")]
     pub shell: clap_complete::Shell,
 }
 
@@ -563,6 +528,8 @@ pub fn command(program: &str) -> clap::Command {
         })
     };
     let command = Cli::command().bin_name(program).mut_subcommand("robot", of_robots).mut_subcommands(with_set);
+    let command =
+        command.mut_subcommand("decompose", |own| own.mut_arg("decompose_seconds", |arg| arg.conflicts_with("curve")));
     if program == "bake" {
         return command;
     }

@@ -77,12 +77,13 @@ pub fn with_tip(error: clap::Error, words: &[OsString]) -> clap::Error {
         }
         ErrorKind::InvalidValue if context(ContextKind::InvalidArg).starts_with("--for ") => {
             let engine = context(ContextKind::InvalidValue);
-            let has_files = Target::from_str(&engine, false).is_ok();
-            let of_files =
-                has_files.then(|| format!("{engine} has no limits; `bake export --for {engine}` writes its files"));
-            let of_limits =
-                || format!("{engine} has no files of its own; `bake build --for {engine}` meets its limits");
-            of_files.or_else(|| budget(&engine).map(|_| of_limits()))
+            match (Target::from_str(&engine, false), budget(&engine)) {
+                (Ok(_), _) => Some(format!("{engine} has no limits; `bake export --for {engine}` writes its files")),
+                (_, Some(_)) => {
+                    Some(format!("{engine} has no files of its own; `bake build --for {engine}` meets its limits"))
+                }
+                _ => None,
+            }
         }
         ErrorKind::UnknownArgument => {
             let argument = context(ContextKind::InvalidArg);

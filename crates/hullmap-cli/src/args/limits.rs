@@ -7,32 +7,13 @@ const HEADING: &str = "Limits";
 pub struct LimitArgs {
     /// Maximum size of a source file in bytes; importing takes up to 96 MiB of memory plus 8 times
     /// the size of the file
-    #[arg(
-        long = "set max_input_bytes",
-        require_equals = true,
-        value_name = "N",
-        help_heading = HEADING,
-        default_value_t = Limits::DEFAULT.input_bytes,
-        value_parser = clap::value_parser!(u64).range(1..)
-    )]
+    #[arg(long = "set max_input_bytes", value_name = "N", help_heading = HEADING, default_value_t = Limits::DEFAULT.input_bytes, value_parser = clap::value_parser!(u64).range(1..))]
     max_input_bytes: u64,
     /// Maximum number of objects in a file that is split
-    #[arg(
-        long = "set max_objects",
-        require_equals = true,
-        value_name = "N",
-        help_heading = HEADING,
-        default_value_t = Limits::DEFAULT.objects
-    )]
+    #[arg(long = "set max_objects", value_name = "N", help_heading = HEADING, default_value_t = Limits::DEFAULT.objects)]
     max_objects: usize,
     /// Maximum number of vertices and corners that instances and compression add to a glTF file
-    #[arg(
-        long = "set max_instanced",
-        require_equals = true,
-        value_name = "N",
-        help_heading = HEADING,
-        default_value_t = Limits::DEFAULT.repeated_vertices
-    )]
+    #[arg(long = "set max_instanced", value_name = "N", help_heading = HEADING, default_value_t = Limits::DEFAULT.repeated_vertices)]
     max_instanced: usize,
 }
 

@@ -29,8 +29,8 @@ fn typed(arg: &Arg) -> String {
 }
 
 fn meaning(arg: &Arg) -> String {
-    let is_listed = arg.get_id() == "set";
-    let help = arg.get_long_help().filter(|_| !is_listed).or(arg.get_help());
+    // The keys of --set are listed below it.
+    let help = arg.get_long_help().filter(|_| arg.get_id() != "set").or(arg.get_help());
     let help = help.map(ToString::to_string).unwrap_or_default();
     assert!(!help.is_empty(), "no help: {}", typed(arg));
     let values: Vec<_> = arg.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
@@ -42,17 +42,20 @@ fn meaning(arg: &Arg) -> String {
     }
 }
 
+fn name(own: &Command) -> String {
+    own.get_display_name().unwrap_or_default().replace('-', " ")
+}
+
 /// Usage and arguments of a subcommand. Flags that mean the same in `bake build` are only named.
-fn block(name: &str, own: &Command, build: &Command) -> String {
+fn block(own: &Command, build: &Command) -> String {
     let usage = own.clone().render_usage().to_string();
     let mut text = format!("    {}\n", usage.trim_start_matches("Usage: "));
     let is_repeated = |arg: &Arg| {
         let same = |other: &Arg| other.get_long() == arg.get_long() && meaning(other) == meaning(arg);
-        arg.get_long().is_some() && name != "build" && build.get_arguments().any(same)
+        arg.get_long().is_some() && name(own) != "bake build" && build.get_arguments().any(same)
     };
-    let is_of_robots = own.get_name() == "robot";
-    let is_decided = |arg: &Arg| is_of_robots && DECIDED_BY_ROBOTS.contains(&arg.get_id().as_str());
-    let is_shown = |arg: &&Arg| !arg.is_hide_set() || key_of(arg).is_some() && !is_decided(arg);
+    let is_taken = |key: &str| own.get_name() != "robot" || !DECIDED_BY_ROBOTS.contains(&key);
+    let is_shown = |arg: &&Arg| !arg.is_hide_set() || key_of(arg).is_some_and(is_taken);
     let shown = own.get_arguments().filter(is_shown).filter(|arg| arg.get_id() != "help");
     let (repeated, listed): (Vec<_>, Vec<_>) = shown.partition(|arg| is_repeated(arg));
     // As in the help: arguments without a heading come first, then headings as they appear.
@@ -91,16 +94,12 @@ fn the_page_has_the_flags_of_the_command() {
     let build = command.find_subcommand("build").unwrap();
     let page = fs::read_to_string(PAGE).unwrap();
     let mut made = page.clone();
-    let inner = command.get_subcommands().flat_map(|own| {
-        let name = |inner: &Command| format!("{} {}", own.get_name(), inner.get_name());
-        own.get_subcommands().map(move |inner| (name(inner), inner))
-    });
-    let outer = command.get_subcommands().filter(|own| !own.has_subcommands());
-    for (name, own) in outer.map(|own| (own.get_name().to_owned(), own)).chain(inner) {
-        let mark = format!("<!-- bake {name}: made by args/reference.rs -->\n");
+    let own = command.get_subcommands().flat_map(|own| [own].into_iter().chain(own.get_subcommands()));
+    for own in own.filter(|own| !own.has_subcommands()) {
+        let mark = format!("<!-- {}: made by args/reference.rs -->\n", name(own));
         let (before, rest) = made.split_once(&mark).unwrap_or_else(|| panic!("docs/COMMAND.md lacks {mark}"));
         let (_, after) = rest.split_once(END).unwrap();
-        made = format!("{before}{mark}{}{END}{after}", block(&name, own, build));
+        made = format!("{before}{mark}{}{END}{after}", block(own, build));
     }
     if env::var_os("UPDATE").is_some() {
         fs::write(PAGE, &made).unwrap();

@@ -9,10 +9,10 @@ pub struct UsdArgs {
     #[arg(long, value_name = "ASSET")]
     pub asset: Option<String>,
     /// Length of a unit of the USD stage in metres; default 1
-    #[arg(long = "set meters_per_unit", require_equals = true, value_name = "F", value_parser = positive)]
+    #[arg(long = "set meters_per_unit", value_name = "F", value_parser = positive)]
     pub meters_per_unit: Option<f64>,
     /// Up axis of the USD stage; default z
-    #[arg(long = "set stage_up", require_equals = true, value_enum, value_name = "y|z", hide_possible_values = true)]
+    #[arg(long = "set stage_up", value_enum, value_name = "y|z")]
     pub stage_up: Option<StageUp>,
 }
 

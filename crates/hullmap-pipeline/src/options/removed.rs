@@ -30,17 +30,6 @@ pub fn may_be_recorded(key: &str) -> bool {
 /// Remedy for an option that this version does not have; `None` if earlier ones did not have it
 /// either. `key` is written as in `hullmap.toml` or as a flag without dashes in front.
 pub fn instead_of_option(key: &str) -> Option<&'static str> {
-    const KEYS: [&str; 9] = [
-        "vhacd_concavity",
-        "vhacd_resolution",
-        "vhacd_max_parts",
-        "vhacd_alpha",
-        "vhacd_beta",
-        "vhacd_plane_downsampling",
-        "vhacd_hull_downsampling",
-        "vhacd_hull_approximation",
-        "vhacd_fill",
-    ];
     match key.replace('-', "_").as_str() {
         "index_budget" | "resolution" => Some(INDEX),
         "min_thickness" => Some(WALL),
@@ -49,7 +38,7 @@ pub fn instead_of_option(key: &str) -> Option<&'static str> {
         "fill" => Some(FILL),
         "overlap" => Some(OVERLAP),
         "reachable" => Some(REACHABLE),
-        key => KEYS.contains(&key).then_some(VHACD),
+        key => key.starts_with("vhacd_").then_some(VHACD),
     }
 }
 
