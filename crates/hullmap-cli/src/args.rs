@@ -584,7 +584,7 @@ fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
             let message = format!("--pose requires its seven numbers in quotes: --pose \"{pose}\"");
             subcommand(words).error(ErrorKind::WrongNumberOfValues, message)
         }
-        _ => guesses::with_tip(with_usage(error, words), words),
+        _ => guesses::with_tip(with_usage(error, words), &subcommand(words)),
     })?;
     if let Command::Farm(Farm::Build(args)) = &mut cli.command {
         args.build.shard = Some(args.shard);

@@ -1,5 +1,5 @@
-//! `--primitives`: boxes, balls, capsules and cylinders instead of parts, from the command to the
-//! documents of robots and scenes.
+//! The option `primitives`: boxes, balls, capsules and cylinders instead of parts, from the command
+//! to the documents of robots and scenes.
 
 use std::fs;
 

@@ -9,7 +9,6 @@ use clap::ValueEnum;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use super::export::Target;
-use super::subcommand;
 use hullmap_pipeline::budget::budget;
 use hullmap_pipeline::options::flag;
 use hullmap_pipeline::options::removed::instead_of_option;
@@ -64,8 +63,8 @@ const FLAGS: [(&[&str], &str, &str); 21] = [
     (&["mesh", "input"], "source", "--source PATH"),
 ];
 
-/// The error with the name that is meant, if a guess is known.
-pub fn with_tip(error: clap::Error, words: &[OsString]) -> clap::Error {
+/// The error with the name that is meant, if a guess is known. `command` is the subcommand.
+pub fn with_tip(error: clap::Error, command: &clap::Command) -> clap::Error {
     let context = |kind| match error.get(kind) {
         Some(ContextValue::String(text)) => text.clone(),
         _ => String::new(),
@@ -92,7 +91,6 @@ pub fn with_tip(error: clap::Error, words: &[OsString]) -> clap::Error {
             if let Some(instead) = instead_of_option(&name) {
                 return with_suggestion(error, instead.to_owned());
             }
-            let command = subcommand(words);
             let is_known = |own: &str| command.get_arguments().any(|argument| argument.get_long() == Some(own));
             let meant = FLAGS.iter().find(|(guesses, own, _)| guesses.contains(&&*name) && is_known(own));
             // `bake decompose` decomposes without a flag.

@@ -13,13 +13,8 @@ pub mod value;
 
 pub use layer::OptionLayer;
 pub use resolved::{BuildOptions, RecordSource};
+pub use table::name;
 pub use template::template;
-
-/// The name of an option in `hullmap.toml` and on the command line. Records and bindings have its
-/// key, since `for` is a keyword of Python.
-pub fn name(key: &str) -> &str {
-    if key == "for_engine" { "for" } else { key }
-}
 
 /// An option on the command line: `--max-error`, or `--set wall`.
 pub fn flag(key: &str) -> String {

@@ -5,7 +5,6 @@
 
 use hullmap_format::header::FileKind;
 
-use super::name;
 use super::removed::instead_of_value;
 use super::value::Syntax::{
     self, CountOrNone, Finite, FiniteOrNone, HoleOrNone, LengthOrNone, NameOrNone, PairOrNone, Positive,
@@ -414,6 +413,12 @@ const TERRAIN: BuildOption =
 
 pub fn position(key: &str) -> Option<usize> {
     OPTIONS.iter().position(|option| option.key == key)
+}
+
+/// The name of an option in `hullmap.toml` and on the command line. Records and bindings have its
+/// key, since `for` is a keyword of Python.
+pub fn name(key: &str) -> &str {
+    if key == "for_engine" { "for" } else { key }
 }
 
 /// The option of a [`name`].

@@ -3,8 +3,7 @@
 
 use std::fmt::Write;
 
-use super::name;
-use super::table::{BuildOption, Section};
+use super::table::{BuildOption, Section, name};
 use super::value::Syntax;
 
 const HEAD: &str = "\
