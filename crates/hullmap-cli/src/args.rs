@@ -154,7 +154,10 @@ pub struct MeshArgs {
     #[arg(long, hide_short_help = true, help_heading = FILES)]
     pub no_ignore: bool,
     /// In folders, bake only meshes of these formats; for instance `obj,glb`
-    #[arg(long, hide_short_help = true, value_name = "LIST", value_delimiter = ',', value_parser = PossibleValuesParser::new(EXTENSIONS.into_iter().chain(height_field::EXTENSIONS)), ignore_case = true, help_heading = FILES)]
+    #[arg(
+        long, hide_short_help = true, value_name = "LIST", value_delimiter = ',', help_heading = FILES, ignore_case = true,
+        value_parser = PossibleValuesParser::new(EXTENSIONS.into_iter().chain(height_field::EXTENSIONS))
+    )]
     pub ext: Vec<String>,
 }
 

@@ -7,7 +7,10 @@ const HEADING: &str = "Limits";
 pub struct LimitArgs {
     /// Maximum size of a source file in bytes; importing takes up to 96 MiB of memory plus 8 times
     /// the size of the file
-    #[arg(long = "set max_input_bytes", value_name = "N", help_heading = HEADING, default_value_t = Limits::DEFAULT.input_bytes, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(
+        long = "set max_input_bytes", value_name = "N", help_heading = HEADING, default_value_t = Limits::DEFAULT.input_bytes,
+        value_parser = clap::value_parser!(u64).range(1..)
+    )]
     max_input_bytes: u64,
     /// Maximum number of objects in a file that is split
     #[arg(long = "set max_objects", value_name = "N", help_heading = HEADING, default_value_t = Limits::DEFAULT.objects)]
