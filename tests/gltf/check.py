@@ -177,7 +177,7 @@ def check(model, folder, words, names):
     masses = check_masses(after, model, 700)
     assert masses > 0
 
-    bake("build", out, "--split", "auto", "--out", folder / "again", "--pack-names", "stem", "--force")
+    bake("build", out, "--split", "auto", "--out", folder / "again", "--set", "pack_names=stem", "--force")
     again = hulls(folder / "again" / f"{stem}.hullmap")
     assert [hull["name"] for hull in again] == [hull["name"] for hull in hulls(pack)]
     for a, b in zip(again, hulls(pack)):
@@ -193,7 +193,7 @@ def main():
     khr, omi = ["KHR_physics_rigid_bodies"], ["OMI_physics_body", "OMI_physics_shape"]
     for words, names in [
         (["--for", "khr-physics"], khr),
-        (["--for", "khr-physics", "--draft", "2026-06"], khr),
+        (["--for", "khr-physics", "--set", "draft=2026-06"], khr),
         (["--for", "omi"], omi),
         (["--for", "both"], khr + omi),
         (["--for", "godot"], omi),

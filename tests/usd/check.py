@@ -406,7 +406,7 @@ def check_command(bake, folder):
     run = lambda line: subprocess.run([bake, *line], cwd=out, check=True, capture_output=True, text=True)
     run(["build", "chair.obj", "--out", ".", "--split", "object", "--decompose", "--quiet"])
     line = ["export", "chair.hullmap", "--for", "usd", "--prim", "/World/chair", "--asset", "./chair.usda"]
-    run([*line, "--meters-per-unit", str(METERS), "--stage-up", "y", "--out", "hulls.usda"])
+    run([*line, "--set", f"meters_per_unit={METERS}", "--set", "stage_up=y", "--out", "hulls.usda"])
     both = Usd.Stage.Open(str(out / "hulls.usda"))
     check_validators(both, known)
     assert UsdPhysics.CollisionAPI(both.GetPrimAtPath(f"/World/chair/{own}")).GetCollisionEnabledAttr().Get() is False

@@ -282,7 +282,7 @@ pub fn divided_by_vertices(name: &str, vertices: usize, cover: &Cover) -> Remark
 /// search.
 pub fn primitives(name: &str, count: usize, of: usize, is_late: bool) -> Remark {
     let noun = if of == 1 { "part" } else { "parts" };
-    let late = if is_late { "; --decompose-seconds ended the search for more" } else { "" };
+    let late = if is_late { "; --set decompose_seconds ended the search for more" } else { "" };
     let text =
         format!("{name}: {count} of {of} {noun} can be replaced by a box, sphere, capsule or cylinder, proven{late}");
     Remark::note("primitives", name, text)
@@ -372,7 +372,7 @@ pub fn beyond(name: &str, max_parts: Option<u32>, is_timed: bool, [reached, requ
     let shares = format!("{} ({share} of the diagonal) instead of {}", short(reached), short(requested));
     match max_parts {
         Some(count) => {
-            let until = if is_timed { "in the time of --decompose-seconds" } else { "by the search" };
+            let until = if is_timed { "in the time of --set decompose_seconds" } else { "by the search" };
             let noun = if count == 1 { "part" } else { "parts" };
             let text = format!("{name}: with at most {count} {noun}, the smallest error reached {until} is {shares}");
             if reached > FAR * size {
@@ -385,7 +385,7 @@ pub fn beyond(name: &str, max_parts: Option<u32>, is_timed: bool, [reached, requ
         }
         None => {
             let remedy = if is_timed {
-                "the search ended by --decompose-seconds; increase it"
+                "the search ended by --set decompose_seconds; increase it"
             } else {
                 "the search did not prove less; increase --max-error or --max-vertices"
             };
@@ -544,7 +544,7 @@ mod tests {
         let too_few = beyond("a", Some(3), false, [0.25, 0.1, 2.0]);
         assert!(too_few.is_warning && too_few.text.contains("12.5%"), "{too_few:?}");
         let late = beyond("a", None, true, [0.25, 0.1, 2.0]);
-        assert!(late.is_warning && late.text.contains("--decompose-seconds; increase it"), "{late:?}");
+        assert!(late.is_warning && late.text.contains("--set decompose_seconds; increase it"), "{late:?}");
     }
 
     #[test]

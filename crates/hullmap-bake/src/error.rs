@@ -48,7 +48,7 @@ pub enum BakeError {
     #[error("the hull could not be certified: {0}; please report this mesh")]
     Uncertified(#[from] CertificateError),
     /// The index has more words or blocks than slots can address.
-    #[error("the direction index is larger than its slots can address: use --index none, or simplify the mesh")]
+    #[error("the direction index is larger than its slots can address: use --set index=none, or simplify the mesh")]
     IndexTooLarge,
     /// The requested maximum is below the vertices of a tetrahedron.
     #[error("a simplified hull requires at least {} vertices (the requested maximum is {requested})", MIN_VERTICES)]

@@ -1199,7 +1199,7 @@ HullmapResult hullmap_pack_hull_facts(const HullmapPack *pack,
                                       size_t hull,
                                       HullmapHullFacts *facts);
 
-// The primitive that may replace the hull of index `hull` (`bake build --primitives`). Its kind is
+// The primitive that may replace the hull of index `hull` (option `primitives`). Its kind is
 // HULLMAP_PRIMITIVE_KIND_NONE if there is none, or the bake did not look for primitives.
 HullmapResult hullmap_pack_hull_primitive(const HullmapPack *pack,
                                           size_t hull,
@@ -1248,7 +1248,7 @@ HullmapResult hullmap_triangle_mesh_triangle(const HullmapTriangleMesh *mesh,
                                              size_t index,
                                              HullmapMeshTriangle *triangle);
 
-// Opens the file of a height field, which `bake terrain` writes. The file is copied
+// Opens the file of a height field, which `bake build --terrain` writes. The file is copied
 // into memory and checked completely, so that no file can harm a later query.
 //
 // path: in UTF-8 on Windows, in the system's bytes elsewhere.

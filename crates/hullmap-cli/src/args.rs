@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, Resettable, StyledStr, TypedValueParser};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use hullmap_import::{EXTENSIONS, height_field};
 use hullmap_report::input::Up;
@@ -33,16 +33,14 @@ use hullmap_pipeline::jobs::Selection;
 use hullmap_pipeline::jobs::batch::BatchSize;
 use hullmap_pipeline::jobs::shard::Shard;
 use hullmap_pipeline::options::flag;
-use hullmap_pipeline::options::table::{Section, position};
-use hullmap_pipeline::options::value::Value;
+use hullmap_pipeline::options::table::Section;
 use limits::LimitArgs;
 use numbers::{at_least_one, size};
-use options::{OptionFlags, PartsLayer, TERRAIN};
+use options::{OptionFlags, joined, with_set};
 use verify::VerifyArgs;
 
 const FILES: &str = Section::Files.heading();
 const RUNNING: &str = "Running";
-const FARM: &str = "Farm";
 
 /// Default of `--memory` in bytes: what a machine with 8 GiB can spare.
 pub const DEFAULT_MEMORY: u64 = 4 << 30;
@@ -61,45 +59,24 @@ pub struct Cli {
 pub enum Command {
     /// Bake meshes into .hullmap packs
     #[command(after_help = "Examples:\n  \
-                      bake build rock.obj --out baked --max-vertices 64            (shape)\n  \
-                      bake build chair.glb --out baked --decompose --max-error 1%  (parts)\n  \
-                      bake build assets --out baked --verify --prune               (files)\n  \
-                      bake build assets --out baked --index compact                (index)\n  \
-                      bake build assets --out baked --check                        (in CI: exit 1 if a pack is stale)\n  \
-                      bake build assets --out baked --shard 0/8                    (farm: one of eight machines)")]
+                      bake build assets --out baked                    (convex hulls)\n  \
+                      bake build chair.glb --out baked --decompose     (convex parts)\n  \
+                      bake build assets --out baked --check            (in CI: exit 1 if a pack is stale)")]
     Build(Box<BuildArgs>),
-    /// Bake terrains, grids of heights, into .hullfield files
-    // In a build of many files, rules of hullmap.toml choose the terrains.
-    #[command(after_help = "Examples:\n  \
-                      bake terrain dem.asc --out baked\n  \
-                      bake terrain ground.png --out baked --spacing 0.5 --height-scale 120\n  \
-                      bake terrain ground.f32 --out baked --columns 1025 --rows 1025 --spacing 2 --hole=-9999")]
-    Terrain(Box<BuildArgs>),
     /// Decompose a mesh file into a file of convex parts, without a pack
     #[command(after_help = "Examples:\n  \
                       bake decompose chair.obj parts.obj\n  \
                       bake decompose chair.glb parts.glb --max-error 1% --max-parts 16")]
     Decompose(Box<DecomposeArgs>),
-    /// Print a hash of everything that each pack depends on
-    #[command(after_help = "Example:\n  bake key assets --record-source name")]
-    Key(Box<KeyArgs>),
-    /// List the work of a build as tasks for other machines
+    /// Replace collision meshes in robots: URDF, MJCF, SDF
     #[command(after_help = "Examples:\n  \
-                      bake plan assets --out baked > plan.jsonl\n  \
-                      bake plan assets --out baked --emit ninja > build.ninja")]
-    Plan(Box<PlanArgs>),
-    /// Bake tasks of a plan
-    #[command(after_help = "Example:\n  bake task plan.jsonl --index 3")]
-    Task(TaskArgs),
-    /// List packs that are missing or stale, by their headers
-    #[command(after_help = "Example:\n  bake status assets --out baked --shards 64")]
-    Status(Box<StatusArgs>),
+                      bake robot arm.urdf --out arm_hulls.urdf                          (exact hulls)\n  \
+                      bake robot arm.xml --out baked --decompose --max-error 2mm        (parts)\n  \
+                      bake robot arm.urdf --out arm_hulls.urdf --check                  (in CI: exit 1 if it would change)")]
+    Robot(Box<RobotArgs>),
     /// Verify packs against the meshes they were baked from
     #[command(after_help = "Example:\n  bake verify baked --source assets --directions 200000")]
     Verify(VerifyArgs),
-    /// Describe the hulls in packs
-    #[command(after_help = "Example:\n  bake inspect baked/gear.hullmap --json")]
-    Inspect(InspectArgs),
     /// Write hulls as meshes, into glTF, or as a layer of USD
     #[command(after_help = "Examples:\n  \
                       bake export baked/rock.hullmap --out rock.glb\n  \
@@ -109,24 +86,53 @@ pub enum Command {
                       bake export baked/arm.hullmap --for urdf --out arm\n  \
                       bake export baked/seat.hullmap --for usd --prim /World/chair --asset ./chair.usd --out hulls.usda")]
     Export(ExportArgs),
-    /// Replace collision meshes in robots: URDF, MJCF, SDF
-    #[command(after_help = "Examples:\n  \
-                      bake robot arm.urdf --out arm_hulls.urdf                          (exact hulls)\n  \
-                      bake robot arm.xml --out baked --decompose --max-error 2mm        (parts)\n  \
-                      bake robot arm.urdf --out arm_hulls.urdf --check                  (in CI: exit 1 if it would change)")]
-    Robot(Box<RobotArgs>),
-    /// Compute intersection, distance or contact of two hulls or packs
-    #[command(after_help = "Example:\n  bake query baked/rock.hullmap baked/cube.hullmap --pose \"0.5 0 0 0 0 0 1\"")]
-    Query(QueryArgs),
+    /// Describe the hulls in packs
+    #[command(after_help = "Example:\n  bake inspect baked/gear.hullmap --json")]
+    Inspect(InspectArgs),
     /// Write an HTML report of packs: meshes, hulls, query costs
     #[command(after_help = "Example:\n  bake report baked --out report.html")]
     Report(ReportArgs),
+    /// Compute intersection, distance or contact of two hulls or packs
+    #[command(after_help = "Example:\n  bake query baked/rock.hullmap baked/cube.hullmap --pose \"0.5 0 0 0 0 0 1\"")]
+    Query(QueryArgs),
     /// Write a hullmap.toml with every option commented out
     #[command(after_help = "Example:\n  bake init assets")]
     Init(InitArgs),
+    /// Share one build between many machines
+    #[command(
+        subcommand,
+        after_help = "Examples:\n  \
+                      bake farm build assets --out baked --shard 0/8\n  \
+                      bake farm plan assets --out baked > plan.jsonl"
+    )]
+    Farm(Farm),
     /// Print a completion script for a shell
-    #[command(after_help = "Example:\n  bake completions bash > ~/.local/share/bash-completion/completions/bake")]
+    #[command(
+        hide = true,
+        after_help = "Example:\n  bake completions bash > ~/.local/share/bash-completion/completions/bake"
+    )]
     Completions(CompletionsArgs),
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Farm {
+    /// Bake one shard of the meshes
+    #[command(after_help = "Example:\n  bake farm build assets --out baked --shard 0/8")]
+    Build(Box<ShardArgs>),
+    /// List the work of a build as tasks for other machines
+    #[command(after_help = "Examples:\n  \
+                      bake farm plan assets --out baked > plan.jsonl\n  \
+                      bake farm plan assets --out baked --emit ninja > build.ninja")]
+    Plan(Box<PlanArgs>),
+    /// Bake tasks of a plan
+    #[command(after_help = "Example:\n  bake farm task plan.jsonl 3")]
+    Task(TaskArgs),
+    /// Print a hash of everything that each pack depends on
+    #[command(after_help = "Example:\n  bake farm key assets --set record_source=name")]
+    Key(Box<KeyArgs>),
+    /// List packs that are missing or stale, by their headers
+    #[command(after_help = "Example:\n  bake farm status assets --out baked --shards 64")]
+    Status(Box<StatusArgs>),
 }
 
 #[derive(Clone, Debug, clap::Args)]
@@ -138,27 +144,19 @@ pub struct MeshArgs {
     pub options: OptionFlags,
     #[command(flatten)]
     pub limits: LimitArgs,
-    /// Read options from FILE [default: the nearest hullmap.toml above each mesh]
-    #[arg(long, value_name = "FILE", help_heading = FILES)]
+    /// Read options from FILE, or `none` [default: the nearest hullmap.toml above a mesh]
+    #[arg(long, hide_short_help = true, value_name = "FILE", help_heading = FILES)]
     pub config: Option<PathBuf>,
-    /// Do not read any hullmap.toml
-    #[arg(long, hide_short_help = true, conflicts_with = "config", help_heading = FILES)]
-    pub no_config: bool,
     /// Leave out meshes that match GLOB, as in hullmap.toml; repeatable
-    #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = FILES)]
+    #[arg(long, hide_short_help = true, value_name = "GLOB", value_parser = Glob::new, help_heading = FILES)]
     pub exclude: Vec<Glob>,
     /// In folders, also bake hidden meshes, and meshes that a .gitignore names
     #[arg(long, hide_short_help = true, help_heading = FILES)]
     pub no_ignore: bool,
     /// In folders, bake only meshes of these formats; for instance `obj,glb`
     #[arg(
-        long,
-        value_name = "LIST",
-        value_delimiter = ',',
-        value_parser = PossibleValuesParser::new(EXTENSIONS.into_iter().chain(height_field::EXTENSIONS)),
-        ignore_case = true,
-        hide_possible_values = true,
-        help_heading = FILES
+        long, hide_short_help = true, value_name = "LIST", value_delimiter = ',', help_heading = FILES, ignore_case = true,
+        value_parser = PossibleValuesParser::new(EXTENSIONS.into_iter().chain(height_field::EXTENSIONS))
     )]
     pub ext: Vec<String>,
 }
@@ -170,7 +168,6 @@ impl MeshArgs {
             inputs: own.inputs,
             options: own.options.0,
             config: own.config,
-            no_config: own.no_config,
             exclude: own.exclude,
             no_ignore: own.no_ignore,
             extensions: own.ext,
@@ -181,19 +178,19 @@ impl MeshArgs {
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct RunArgs {
     /// Number of threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = RUNNING)]
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = RUNNING)]
     pub jobs: Option<u16>,
-    /// Maximum memory for files in progress; a file that needs more is baked alone [default: 4G]
-    #[arg(long, value_name = "SIZE", value_parser = size, help_heading = RUNNING)]
+    /// Maximum memory; a file that needs more is baked alone [default: 4G]
+    #[arg(long, hide_short_help = true, value_name = "SIZE", value_parser = size, help_heading = RUNNING)]
     pub memory: Option<u64>,
     /// List fresh packs too
-    #[arg(long, help_heading = RUNNING)]
+    #[arg(short, long, hide_short_help = true, help_heading = RUNNING)]
     pub verbose: bool,
     /// Print only errors
-    #[arg(long, conflicts_with = "verbose", help_heading = RUNNING)]
+    #[arg(short, long, hide_short_help = true, conflicts_with = "verbose", help_heading = RUNNING)]
     pub quiet: bool,
     /// Print one JSON object per file
-    #[arg(long, help_heading = RUNNING)]
+    #[arg(long, hide_short_help = true, help_heading = RUNNING)]
     pub json: bool,
 }
 
@@ -202,38 +199,46 @@ pub struct BuildArgs {
     #[command(flatten)]
     pub meshes: MeshArgs,
     /// Write packs to DIR, which mirrors the input folders
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
     /// Bake every mesh, even if its pack is fresh
-    #[arg(long, help_heading = RUNNING)]
+    #[arg(long, hide_short_help = true, help_heading = RUNNING)]
     pub force: bool,
-    /// Bake nothing; list stale and missing packs, and exit with 1 if there are any. A forged pack
-    /// can be fresh; `bake verify` rejects it
+    /// Bake nothing; list stale and missing packs, and exit with 1 if there are any
     #[arg(long, conflicts_with_all = ["force", "verify", "watch", "depfile"], help_heading = RUNNING)]
     pub check: bool,
-    /// Remove packs whose source is gone; with --check, exit with 1 if there are any
-    #[arg(long, help_heading = FILES)]
+    /// Remove packs whose source is gone; with --check, only report them
+    #[arg(long, hide_short_help = true, help_heading = FILES)]
     pub prune: bool,
     /// Verify each pack before it replaces the old one
-    #[arg(long, help_heading = RUNNING)]
+    #[arg(long, hide_short_help = true, help_heading = RUNNING)]
     pub verify: bool,
-    /// Keep running and bake files that change, or whose packs are deleted, until Ctrl-C
-    #[arg(long, help_heading = RUNNING)]
+    /// Keep running, and bake files that change or whose packs are deleted
+    #[arg(long, hide_short_help = true, help_heading = RUNNING)]
     pub watch: bool,
     /// Write the dependencies of each pack to FILE, for Ninja and Make
-    #[arg(long, value_name = "FILE", help_heading = FILES)]
+    #[arg(long, hide_short_help = true, value_name = "FILE", help_heading = FILES)]
     pub depfile: Option<PathBuf>,
     /// Write a single target, which depends on all sources and folders, to the depfile
-    #[arg(long, hide_short_help = true, value_name = "TARGET", requires = "depfile", help_heading = FILES)]
+    #[arg(long = "set depfile_target", value_name = "TARGET", requires = "depfile", help_heading = FILES)]
     pub depfile_target: Option<PathBuf>,
     #[command(flatten)]
     pub run: RunArgs,
-    /// Bake only the meshes of shard I of N, counted from 0, for instance 0/8
-    #[arg(long, hide_short_help = true, value_name = "I/N", help_heading = FARM)]
+    /// The shard of `bake farm build`.
+    #[arg(skip)]
     pub shard: Option<Shard>,
-    /// Take finished packs from DIR, by their keys, and add packs that are baked; DIR may be shared
-    #[arg(long, value_name = "DIR", conflicts_with = "check", hide_short_help = true, help_heading = FARM)]
+    /// Take finished packs from DIR, which may be shared, and add baked ones
+    #[arg(long, value_name = "DIR", conflicts_with = "check", hide_short_help = true, help_heading = FILES)]
     pub cache: Option<PathBuf>,
+}
+
+#[derive(Debug, clap::Args)]
+pub struct ShardArgs {
+    /// Bake only the meshes of shard I of N, counted from 0, for instance 0/8
+    #[arg(long, value_name = "I/N")]
+    pub shard: Shard,
+    #[command(flatten)]
+    pub build: BuildArgs,
 }
 
 #[derive(Debug, clap::Args)]
@@ -245,17 +250,17 @@ pub struct DecomposeArgs {
     #[arg(value_name = "OUT", required_unless_present = "curve", conflicts_with = "curve")]
     pub output: Option<PathBuf>,
     /// Write no file, and print how many parts errors around the maximum error give
-    #[arg(long, help_heading = RUNNING, conflicts_with_all = ["max_parts", "decompose_seconds", "force"])]
+    #[arg(long, help_heading = RUNNING, conflicts_with_all = ["max_parts", "force"])]
     pub curve: bool,
     #[command(flatten)]
-    pub options: PartsLayer,
+    pub options: OptionFlags,
     #[command(flatten)]
     pub limits: LimitArgs,
     /// Replace OUT if it exists
     #[arg(long, help_heading = RUNNING)]
     pub force: bool,
     /// Print only errors
-    #[arg(long, help_heading = RUNNING)]
+    #[arg(short, long, help_heading = RUNNING)]
     pub quiet: bool,
     /// Print one JSON object
     #[arg(long, help_heading = RUNNING)]
@@ -268,7 +273,7 @@ pub struct KeyArgs {
     pub meshes: MeshArgs,
     /// Folder in which the packs would be: paths in packs are relative to it [default: beside the
     /// meshes]
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print one JSON object per mesh, with everything that goes into its key
     #[arg(long)]
@@ -280,24 +285,17 @@ pub struct PlanArgs {
     #[command(flatten)]
     pub meshes: MeshArgs,
     /// Folder of the packs, which mirrors the input folders
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
     /// Approximate number of meshes per task
     #[arg(long, value_name = "N", default_value_t = BatchSize::default().meshes, value_parser = at_least_one, help_heading = "Tasks")]
     pub batch: usize,
     /// Approximate bytes of source per task; a mesh above a quarter of it is a task of its own
     /// [default: 32M]
-    #[arg(long, value_name = "SIZE", value_parser = size, help_heading = "Tasks")]
+    #[arg(long = "set batch_bytes", value_name = "SIZE", value_parser = size, help_heading = "Tasks")]
     pub batch_bytes: Option<u64>,
     /// Form of the plan: one JSON object per task, or a file for Ninja
-    #[arg(
-        long,
-        value_enum,
-        default_value_t = Emit::Json,
-        value_name = "json|ninja",
-        hide_possible_values = true,
-        help_heading = "Tasks"
-    )]
+    #[arg(long, value_enum, default_value_t = Emit::Json, value_name = "json|ninja", help_heading = "Tasks")]
     pub emit: Emit,
 }
 
@@ -312,11 +310,11 @@ pub struct TaskArgs {
     /// The plan: a file of tasks, one per line (`-`: standard input)
     #[arg(value_name = "PLAN")]
     pub plan: PathBuf,
-    /// Run only the task with this index; repeatable [default: all tasks]
-    #[arg(long, value_name = "I")]
-    pub index: Vec<usize>,
+    /// Tasks to run, by their indices [default: all tasks]
+    #[arg(value_name = "INDEX")]
+    pub indices: Vec<usize>,
     /// Folder of the packs [default: the one that the plan names]
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     #[command(flatten)]
     pub limits: LimitArgs,
@@ -341,7 +339,7 @@ pub struct StatusArgs {
     #[command(flatten)]
     pub meshes: MeshArgs,
     /// Folder of the packs, which mirrors the input folders
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
     /// Number of shards of the bake; lists those that are incomplete
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
@@ -370,7 +368,7 @@ pub struct RobotArgs {
     #[arg(required = true, value_name = "FILE")]
     pub inputs: Vec<PathBuf>,
     /// File to write, or folder for all of them; hulls go to a folder beside each
-    #[arg(long, value_name = "DIR|FILE")]
+    #[arg(short, long, value_name = "DIR|FILE")]
     pub out: PathBuf,
     #[command(flatten)]
     pub options: OptionFlags,
@@ -381,21 +379,14 @@ pub struct RobotArgs {
     pub packages: Vec<PathBuf>,
     /// Links that get collisions from their visuals: links of URDF and SDF without one (missing),
     /// all links, which lose their own (always), or none (never)
-    #[arg(
-        long,
-        value_enum,
-        default_value_t = FromVisual::Missing,
-        value_name = "missing|always|never",
-        hide_possible_values = true,
-        help_heading = Section::Parts.heading()
-    )]
+    #[arg(long, value_enum, default_value_t = FromVisual::Missing, value_name = "missing|always|never")]
     pub from_visual: FromVisual,
     /// Leave the collisions of links that match GLOB alone; repeatable
-    #[arg(long, value_name = "GLOB", value_parser = Glob::new, help_heading = Section::Parts.heading())]
-    pub skip: Vec<Glob>,
+    #[arg(long, value_name = "GLOB", value_parser = Glob::new)]
+    pub exclude: Vec<Glob>,
     /// Replace the inertia of each link by the inertia of its meshes, for the mass that the link
     /// states
-    #[arg(long, help_heading = Section::Shape.heading())]
+    #[arg(long)]
     pub inertia: bool,
     /// Exclude contacts of pairs of links that touch in the neutral pose or in all poses. MJCF gets
     /// `exclude` elements. A URDF file gets an SRDF file, which also has parents and children, and
@@ -403,20 +394,17 @@ pub struct RobotArgs {
     #[arg(long, help_heading = FILES)]
     pub exclude_pairs: bool,
     /// Number of random configurations for the tests of pairs of links
-    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(0..=1_000_000), help_heading = FILES)]
+    #[arg(long = "set samples", value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(0..=1_000_000), help_heading = FILES)]
     pub samples: u32,
-    /// Seed of these configurations
+    /// Seed of these random configurations
     #[arg(long, value_name = "SEED", default_value_t = 0, hide_short_help = true, help_heading = FILES)]
     pub seed: u64,
     /// Write a page of the robot: links in 3D, joints, protrusion, pairs of links that touch
     #[arg(long, value_name = "FILE.html", conflicts_with = "check", help_heading = FILES)]
     pub report: Option<PathBuf>,
-    /// Read options from FILE [default: the nearest hullmap.toml above each description]
+    /// Read options from FILE, or `none` [default: the nearest hullmap.toml above each description]
     #[arg(long, value_name = "FILE", help_heading = FILES)]
     pub config: Option<PathBuf>,
-    /// Do not read any hullmap.toml
-    #[arg(long, hide_short_help = true, conflicts_with = "config", help_heading = FILES)]
-    pub no_config: bool,
     /// Bake every mesh again, and allow --out to name an input
     #[arg(long, help_heading = RUNNING)]
     pub force: bool,
@@ -462,13 +450,7 @@ pub struct QueryArgs {
     #[arg(long = "poses", value_name = "FILE")]
     pub pose_file: Option<PathBuf>,
     /// Query to compute
-    #[arg(
-        long,
-        value_enum,
-        default_value_t = Mode::Contact,
-        value_name = "intersect|distance|contact",
-        hide_possible_values = true
-    )]
+    #[arg(long, value_enum, default_value_t = Mode::Contact, value_name = "intersect|distance|contact")]
     pub mode: Mode,
     /// Print one JSON object per pose
     #[arg(long)]
@@ -482,7 +464,7 @@ pub struct ReportArgs {
     pub input: PathBuf,
     /// HTML file to write, without need of a network; of a folder, the pages of its packs go to a
     /// folder beside it
-    #[arg(long, value_name = "REPORT.html")]
+    #[arg(short, long, value_name = "REPORT.html")]
     pub out: PathBuf,
     /// The source mesh, or a folder of meshes [default: as for `bake verify`]
     #[arg(long, value_name = "PATH")]
@@ -494,7 +476,7 @@ pub struct ReportArgs {
     #[arg(long)]
     pub merge: bool,
     /// Axis that points up in the pictures
-    #[arg(long, value_parser = up(), default_value = "z", value_name = "z|y", hide_possible_values = true)]
+    #[arg(long, value_parser = up(), default_value = "z", value_name = "z|y")]
     pub up: Up,
     /// Number of directions to test on each hull
     #[arg(long, value_name = "N", default_value_t = DEFAULT_DIRECTIONS, value_parser = at_least_one)]
@@ -526,7 +508,7 @@ pub struct InitArgs {
 #[derive(Debug, clap::Args)]
 pub struct CompletionsArgs {
     /// The shell
-    #[arg(value_enum, value_name = "bash|elvish|fish|powershell|zsh", hide_possible_values = true)]
+    #[arg(value_enum, value_name = "bash|elvish|fish|powershell|zsh")]
     pub shell: clap_complete::Shell,
 }
 
@@ -542,29 +524,27 @@ pub fn program(words: &[OsString]) -> String {
 }
 
 pub fn command(program: &str) -> clap::Command {
-    let hidden = |own: clap::Command| {
+    let of_robots = |own: clap::Command| {
         own.mut_args(|option| {
             let is_decided = DECIDED_BY_ROBOTS.contains(&option.get_id().as_str());
             if is_decided { option.hide(true) } else { option }
         })
     };
-    let of_grids = |own: clap::Command| {
-        own.mut_arg("inputs", |inputs| inputs.help("Files of heights, or folders to search for .asc, .png and .f32"))
-    };
-    let command = Cli::command().bin_name(program).mut_subcommand("robot", hidden).mut_subcommand(TERRAIN, of_grids);
+    let command = Cli::command().bin_name(program).mut_subcommand("robot", of_robots).mut_subcommands(with_set);
+    let command =
+        command.mut_subcommand("decompose", |own| own.mut_arg("decompose_seconds", |arg| arg.conflicts_with("curve")));
     if program == "bake" {
         return command;
     }
-    let renamed = |command: clap::Command| {
+    fn renamed(command: clap::Command, program: &str) -> clap::Command {
         let text = |text: Option<&StyledStr>| {
             let renamed = text.map(|text| text.to_string().replace("bake ", &format!("{program} ")).into());
             Resettable::<StyledStr>::from(renamed)
         };
         let (about, examples) = (text(command.get_about()), text(command.get_after_help()));
-        command.about(about).after_help(examples)
-    };
-    let names: Vec<String> = command.get_subcommands().map(|own| own.get_name().to_owned()).collect();
-    names.into_iter().fold(renamed(command), |command, name| command.mut_subcommand(name, renamed))
+        command.about(about).after_help(examples).mut_subcommands(|own| renamed(own, program))
+    }
+    renamed(command, program)
 }
 
 /// Parses the command line. The error is clap's: exit code 2, or 0 for `--help` and `--version`.
@@ -574,6 +554,7 @@ where
     T: Into<OsString> + Clone,
 {
     let words: Vec<OsString> = words.into_iter().map(Into::into).collect();
+    let words = joined(&words);
     parse_words(&words).map_err(|error| {
         if error.kind() == ErrorKind::DisplayHelp && words.iter().any(|word| word == "--help") {
             return whole_help(&words).unwrap_or(error);
@@ -586,12 +567,12 @@ where
 
 /// The help with every flag, one line each: clap's own `--help` takes three times as many lines.
 fn whole_help(words: &[OsString]) -> Option<clap::Error> {
-    let mut command = command(&program(words));
-    let names: Vec<String> = command.get_subcommands().map(|own| own.get_name().to_owned()).collect();
-    for name in names {
-        let shown = |own: clap::Command| own.mut_args(|argument| argument.hide_short_help(false));
-        command = command.mut_subcommand(name, shown);
-    }
+    let shown = |arg: Arg| match arg.get_long_help().cloned() {
+        Some(help) => arg.help(help).hide_short_help(false),
+        None => arg.hide_short_help(false),
+    };
+    let whole = |own: clap::Command| own.mut_args(shown);
+    let command = command(&program(words)).mut_subcommands(|own| whole(own).mut_subcommands(whole));
     let short = |word: &OsString| if word == "--help" { OsString::from("-h") } else { word.clone() };
     command.try_get_matches_from(words.iter().map(short)).err()
 }
@@ -604,31 +585,31 @@ fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
     let mut cli = parsed.map_err(|error| match unquoted_pose(words) {
         Some(pose) if error.kind() == ErrorKind::UnknownArgument => {
             let message = format!("--pose requires its seven numbers in quotes: --pose \"{pose}\"");
-            subcommand_error(&program, "query", ErrorKind::WrongNumberOfValues, message)
+            subcommand(words).error(ErrorKind::WrongNumberOfValues, message)
         }
-        _ => guesses::with_tip(with_usage(&program, error, words.get(1)), words, &command(&program)),
+        _ => guesses::with_tip(with_usage(error, words), &subcommand(words)),
     })?;
-    if let Command::Terrain(args) = &mut cli.command {
-        args.meshes.options.0.set_at(position("terrain").unwrap_or_default(), Some(Value::Switch(true)));
+    if let Command::Farm(Farm::Build(args)) = &mut cli.command {
+        args.build.shard = Some(args.shard);
     }
-    if let Some((name, options)) = cli.command.options() {
-        let clash = options.0.clash().map(|clash| clash.message(|key| format!("--{}", flag(key))));
+    if let Some(options) = cli.command.options() {
+        let clash = options.0.clash().map(|clash| clash.message(flag));
         if let Some(message) = clash.or_else(|| guesses::detached_value(words)) {
-            return Err(subcommand_error(&program, name, ErrorKind::ArgumentConflict, message));
+            return Err(subcommand(words).error(ErrorKind::ArgumentConflict, message));
         }
     }
     Ok(cli)
 }
 
 impl Command {
-    fn options(&self) -> Option<(&'static str, &OptionFlags)> {
+    fn options(&self) -> Option<&OptionFlags> {
         match self {
-            Self::Build(args) => Some(("build", &args.meshes.options)),
-            Self::Terrain(args) => Some((TERRAIN, &args.meshes.options)),
-            Self::Key(args) => Some(("key", &args.meshes.options)),
-            Self::Plan(args) => Some(("plan", &args.meshes.options)),
-            Self::Status(args) => Some(("status", &args.meshes.options)),
-            Self::Robot(args) => Some(("robot", &args.options)),
+            Self::Build(args) => Some(&args.meshes.options),
+            Self::Robot(args) => Some(&args.options),
+            Self::Farm(Farm::Build(args)) => Some(&args.build.meshes.options),
+            Self::Farm(Farm::Key(args)) => Some(&args.meshes.options),
+            Self::Farm(Farm::Plan(args)) => Some(&args.meshes.options),
+            Self::Farm(Farm::Status(args)) => Some(&args.meshes.options),
             _ => None,
         }
     }
@@ -643,24 +624,24 @@ fn unquoted_pose(words: &[OsString]) -> Option<String> {
 }
 
 /// The error with the usage of its subcommand, which clap leaves out for wrong values.
-fn with_usage(program: &str, mut error: clap::Error, subcommand: Option<&OsString>) -> clap::Error {
-    let mut command = command(program);
-    command.build();
-    let subcommand = subcommand.and_then(|name| name.to_str()).and_then(|name| command.find_subcommand_mut(name));
-    if let Some(subcommand) = subcommand
-        && error.get(ContextKind::Usage).is_none()
-    {
-        error.insert(ContextKind::Usage, ContextValue::StyledStr(subcommand.render_usage()));
+fn with_usage(mut error: clap::Error, words: &[OsString]) -> clap::Error {
+    if error.get(ContextKind::Usage).is_none() {
+        let usage = subcommand(words).render_usage();
+        error.insert(ContextKind::Usage, ContextValue::StyledStr(usage));
     }
     error
 }
 
-fn subcommand_error(program: &str, subcommand: &str, kind: ErrorKind, message: String) -> clap::Error {
-    let mut command = command(program);
+/// The subcommand that the words name.
+fn subcommand(words: &[OsString]) -> clap::Command {
+    let mut own = command(&program(words));
     // A subcommand gets its full name from this call.
-    command.build();
-    match command.find_subcommand_mut(subcommand) {
-        Some(subcommand) => subcommand.error(kind, message),
-        None => command.error(kind, message),
+    own.build();
+    for word in words.iter().skip(1) {
+        match own.find_subcommand(word).cloned() {
+            Some(inner) => own = inner,
+            None => break,
+        }
     }
+    own
 }

@@ -33,7 +33,7 @@ mod terminal;
 use std::ffi::OsString;
 
 use args::export::Target;
-use args::{Cli, Command};
+use args::{Cli, Command, Farm};
 use hullmap_pipeline::outcome::{Exit, Failure, end};
 use terminal::Output;
 
@@ -70,12 +70,13 @@ pub fn run<W: Into<OsString> + Clone>(words: impl IntoIterator<Item = W>) -> u8 
 
 fn dispatch(cli: &Cli, program: &str, out: &mut Output) -> Result<Exit, Failure> {
     match &cli.command {
-        Command::Build(args) | Command::Terrain(args) => commands::build::run(args, out),
+        Command::Build(args) => commands::build::run(args, out),
         Command::Decompose(args) => commands::decompose::run(args, out),
-        Command::Key(args) => commands::key::run(args, out),
-        Command::Plan(args) => commands::plan::run(args, out),
-        Command::Task(args) => commands::task::run(args, out),
-        Command::Status(args) => commands::status::run(args, out),
+        Command::Farm(Farm::Build(args)) => commands::build::run(&args.build, out),
+        Command::Farm(Farm::Key(args)) => commands::key::run(args, out),
+        Command::Farm(Farm::Plan(args)) => commands::plan::run(args, out),
+        Command::Farm(Farm::Task(args)) => commands::task::run(args, out),
+        Command::Farm(Farm::Status(args)) => commands::status::run(args, out),
         Command::Verify(args) => commands::verify::run(args, out),
         Command::Inspect(args) => commands::inspect::run(args, out),
         Command::Export(args) if args.target == Some(Target::Usd) => commands::export::usd::run(args, out),

@@ -64,7 +64,7 @@ impl FileKind {
     const fn writer(self) -> &'static str {
         match self {
             Self::Pack => "`bake build`",
-            Self::HeightField => "`bake terrain`",
+            Self::HeightField => "`bake build --terrain`",
             Self::TriangleMesh => "`bake build --keep-triangles`",
         }
     }

@@ -25,7 +25,7 @@ pub fn far_away(name: &str, positions: &[[f32; 3]]) -> Option<String> {
     // One point has no extent to lose precision of. Several that coincide may have lost all of it.
     if size == 0.0 && positions.len() > 1 && far > 0.0 {
         return Some(format!(
-            "object {}: all {} points have the same 32-bit coordinates, {} from the origin; if they differ in the file, use --recentre",
+            "object {}: all {} points have the same 32-bit coordinates, {} from the origin; if they differ in the file, use --set recentre=true",
             excerpt(name),
             positions.len(),
             short(far)
@@ -33,7 +33,7 @@ pub fn far_away(name: &str, positions: &[[f32; 3]]) -> Option<String> {
     }
     (size > 0.0 && far > FAR * size).then(|| {
         format!(
-            "object {}: {} from the origin with an extent of {}, so 32-bit coordinates have a spacing of {} of the extent; --recentre keeps the precision of the file",
+            "object {}: {} from the origin with an extent of {}, so 32-bit coordinates have a spacing of {} of the extent; --set recentre=true keeps the precision of the file",
             excerpt(name),
             short(far),
             short(size),
@@ -80,7 +80,7 @@ mod tests {
         }
         assert_eq!(far_away("a", &[[1e30; 3]]), None);
         assert_eq!(far_away("a", &[[0.0; 3]; 2]), None);
-        assert!(far_away("a", &[[1e6; 3]; 2]).unwrap().contains("--recentre"));
+        assert!(far_away("a", &[[1e6; 3]; 2]).unwrap().contains("--set recentre=true"));
         assert_eq!(far_away("a", &[]), None);
     }
 }

@@ -37,7 +37,7 @@ pub enum Fault {
     #[error("{0}")]
     Format(String),
     #[error(
-        "the file has more than {limit} bytes, and an import can take eight times as much memory; split it, or raise --max-input-bytes"
+        "the file has more than {limit} bytes, and an import can take eight times as much memory; split it, or raise --set max_input_bytes"
     )]
     InputTooLarge { limit: u64 },
     #[error(
@@ -45,7 +45,7 @@ pub enum Fault {
     )]
     Unplaceable { vertex: u32, coordinate: f64, after: &'static str, remedy: &'static str },
     #[error(
-        "the file has more than {}, and each would become a hull; use --split none, split the file, or raise --max-objects",
+        "the file has more than {}, and each would become a hull; use --split none, split the file, or raise --set max_objects",
         counted(.limit, "object", "objects")
     )]
     TooManyObjects { limit: usize },

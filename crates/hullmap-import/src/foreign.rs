@@ -134,7 +134,9 @@ fn fault(foreign: Foreign) -> Fault {
         Foreign::LfsPointer => format!("the file is a Git LFS pointer, not the mesh itself: {LFS_REMEDY}"),
         Foreign::Packed(kind) => format!("the file is {kind}; expected {NAMES}: unpack it"),
         Foreign::Image => {
-            format!("the file is an image; expected {NAMES}: name a mesh, or bake a terrain with `bake terrain`")
+            format!(
+                "the file is an image; expected {NAMES}: name a mesh, or bake a terrain with `bake build --terrain`"
+            )
         }
         Foreign::WebPage => format!("the file is a web page; expected {NAMES}: download the mesh itself"),
     })

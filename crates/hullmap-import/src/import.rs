@@ -118,7 +118,7 @@ pub(crate) fn imported(
         notes.push("the file has no elements, so all vertices are used (a point cloud)".to_owned());
     } else if unreferenced_count > 0 {
         let fate = match options.vertices {
-            Vertices::Referenced => "left out (--vertices all includes them)",
+            Vertices::Referenced => "left out (--set vertices=all includes them)",
             Vertices::All => "included",
         };
         notes.push(format!("{} that no element references, {fate}", counted(unreferenced_count, "vertex", "vertices")));

@@ -46,7 +46,7 @@ impl Limits {
 impl Limits {
     pub(crate) fn too_much_repetition(&self) -> Fault {
         Fault::format(format!(
-            "instances, zeros and compression add more than {} vertices and corners to the file; bake the meshes separately, or raise --max-instanced",
+            "instances, zeros and compression add more than {} vertices and corners to the file; bake the meshes separately, or raise --set max_instanced",
             self.repeated_vertices
         ))
     }

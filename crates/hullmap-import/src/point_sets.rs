@@ -1,6 +1,6 @@
 //! Point sets: the source points of each hull.
 //!
-//! A vertex belongs to every object with an element that references it. With `--vertices all`, an
+//! A vertex belongs to every object with an element that references it. With `vertices=all`, an
 //! unreferenced vertex belongs to the object that declares it. Objects are `o` lines, nodes with a
 //! mesh, or solids. Groups (`g`) are not: they divide an object for materials or selection, not
 //! into bodies. Every `o` line starts a new object, even if its name is not new.

@@ -133,7 +133,7 @@ fn form_warning(baked: &BakedHull, budget: &Budget) -> Option<Remark> {
     let (name, kind) = (&baked.name, format!("not of a form for {}", budget.name));
     let text = format!(
         "hull {name}: not within the budget of {}: it has {}; thicken or divide the mesh, or allow thicker parts with \
-         --wall and --max-error",
+         --set wall and --max-error",
         budget.name,
         exceeded.join(" and ")
     );

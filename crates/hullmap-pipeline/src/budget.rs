@@ -231,7 +231,7 @@ impl Budget {
         let sentence =
             |limit, remedy| format!("not within the budget of {name}: it has {limit} ({otherwise}); {remedy}");
         let counts = self.exceeded_counts(of).into_iter();
-        let counts = counts.map(|limit| sentence(limit, format!("bake it with --for-engine {name}")));
+        let counts = counts.map(|limit| sentence(limit, format!("bake it with --for {name}")));
         let form = self.exceeded_form(of).into_iter();
         counts.chain(form.map(|limit| sentence(limit, "thicken or divide the mesh".to_owned()))).collect()
     }
@@ -305,7 +305,7 @@ mod tests {
         let found = box3d.exceeded(&figures(43, 1.0, 0.004));
         assert_eq!(found.len(), 2, "{found:?}");
         assert!(found[0].contains("129 edges, and at most 128 fit") && found[1].contains("4.00 mm"), "{found:?}");
-        assert!(found[0].ends_with("; bake it with --for-engine box3d"), "{found:?}");
+        assert!(found[0].ends_with("; bake it with --for box3d"), "{found:?}");
         assert!(found[1].ends_with("; thicken or divide the mesh"), "{found:?}");
         let gpu = budget("physx-gpu").unwrap();
         assert!(gpu.exceeded(&figures(32, 1.0, 1.0)).is_empty());

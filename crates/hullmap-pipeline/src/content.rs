@@ -91,7 +91,7 @@ impl Terrain {
         let samples = options.samples();
         let heights = import_heights(file, &source.bytes, &samples).map_err(rejected)?;
         if heights.is_image && !options.has_height_scale() {
-            let message = "an image has no unit; name the height of white above black with --height-scale";
+            let message = "an image has no unit; name the height of white above black with --set height_scale=S";
             return Err(Failure::usage(format!("{file}: {message}")));
         }
         let holes = match source.beside.first() {
@@ -102,7 +102,7 @@ impl Terrain {
             None => Vec::new(),
         };
         let unused = samples.hole.filter(|_| heights.hole_samples == 0);
-        let warnings = unused.map(|hole| format!("no sample is {hole}, so --hole makes no holes; check the value"));
+        let warnings = unused.map(|hole| format!("no sample is {hole}, so --set hole makes no holes; check the value"));
         let layout = options.layout(&heights).map_err(|error| Failure::usage(format!("{file}: {error}")))?;
         let source = SourceHeights { layout, heights: heights.heights, holes };
         Ok(Self { source, warnings: warnings.into_iter().collect() })

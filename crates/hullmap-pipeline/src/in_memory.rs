@@ -10,7 +10,7 @@ use hullmap_import::{self as import, ImportError, Imported, Limits, MeshArrays, 
 
 use crate::baker::{BakedPack, bake_pack};
 use crate::options::removed::instead_of_option;
-use crate::options::table::{BuildOption, OPTIONS, Record, Scope};
+use crate::options::table::{BuildOption, OPTIONS, Record, Scope, named};
 use crate::options::{BuildOptions, OptionLayer};
 use crate::triangle_mesh::{BakedTriangles, adapted, bake_triangles};
 
@@ -140,21 +140,22 @@ fn import_source(
     Ok((imported, SourceRecord { path: name.into_owned(), hash: source.hash, ..SourceRecord::default() }))
 }
 
-/// Advice that only callers of the command can follow.
-const ADVICE_ON_LIMITS: [&str; 3] =
-    [", or raise --max-input-bytes", ", or raise --max-objects", ", or raise --max-instanced"];
+/// Limits that only callers of the command can raise.
+const LIMITS: [&str; 3] = ["max_input_bytes", "max_objects", "max_instanced"];
 
 /// A message of the command for callers without flags: `--max-vertices` becomes `name` of the key
-/// `max_vertices`. Flags that are no options, and commands in backticks, stay.
+/// `max_vertices`, and so does `--set max_vertices`. Flags that are no options, and commands in
+/// backticks, stay.
 ///
 /// # Examples
 /// ```
-/// let text = "split it, or raise --max-objects; use --split none, or run `bake build --prune`";
+/// let text = "split it, or raise --set max_objects; use --split none, or run `bake build --prune`";
 /// let expected = "split it; use split none, or run `bake build --prune`";
 /// assert_eq!(hullmap_pipeline::without_flags(text, str::to_owned), expected);
 /// ```
 pub fn without_flags(message: &str, name: impl Fn(&str) -> String) -> String {
-    let message = ADVICE_ON_LIMITS.iter().fold(message.to_owned(), |text, advice| text.replace(advice, ""));
+    let message =
+        LIMITS.iter().fold(message.to_owned(), |text, key| text.replace(&format!(", or raise --set {key}"), ""));
     let mut text = String::with_capacity(message.len());
     for (at, part) in message.split('`').enumerate() {
         if at > 0 {
@@ -163,14 +164,13 @@ pub fn without_flags(message: &str, name: impl Fn(&str) -> String) -> String {
         let mut words = part.split("--");
         text += words.next().unwrap_or_default();
         for word in words {
-            let end = word.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(word.len());
+            let (set, word) = word.strip_prefix("set ").map_or(("", word), |word| ("set ", word));
+            let end = word.find(|c: char| !(c.is_ascii_lowercase() || "-_".contains(c))).unwrap_or(word.len());
             let (flag, rest) = word.split_at(end);
             let key = flag.replace('-', "_");
-            if at % 2 == 0 && OPTIONS.iter().any(|option| option.key == key) {
-                text += &name(&key);
-            } else {
-                text += "--";
-                text += flag;
+            match named(&key).filter(|_| at % 2 == 0) {
+                Some(index) => text += &name(OPTIONS[index].key),
+                None => text += &format!("--{set}{flag}"),
             }
             text += rest;
         }

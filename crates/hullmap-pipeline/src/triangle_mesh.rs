@@ -169,10 +169,13 @@ pub fn bake_triangles(imported: &Imported, source: &SourceRecord) -> Result<Bake
 const NO_FACES: &str = "has no faces, and --keep-triangles requires some; leave it out, or remove --keep-triangles";
 
 const REMEDIES: [(&str, &str); 4] = [
-    ("--recentre keeps the precision of the file", "move it to the origin in its editor, and place it by a pose"),
-    ("use --recentre", "move them to the origin in an editor"),
-    (" (--vertices all includes them)", ""),
-    ("; --vertices all takes their control points", ""),
+    (
+        "--set recentre=true keeps the precision of the file",
+        "move it to the origin in its editor, and place it by a pose",
+    ),
+    ("use --set recentre=true", "move them to the origin in an editor"),
+    (" (--set vertices=all includes them)", ""),
+    ("; --set vertices=all takes their control points", ""),
 ];
 
 pub fn adapted(remark: &str) -> String {

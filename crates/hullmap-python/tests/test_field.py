@@ -123,8 +123,8 @@ def test_files_round_trip(field, tmp_path):
 def test_the_command_writes_what_python_opens(tmp_path):
     heights = np.random.default_rng(SEED + 3).uniform(0, 1, (4, 5)).astype("<f4")
     heights.tofile(tmp_path / "terrain.f32")
-    words = ["bake", "terrain", str(tmp_path / "terrain.f32"), "--out", str(tmp_path), "--quiet"]
-    assert hullmap._hullmap.run_command([*words, "--columns", "5", "--rows", "4", "--spacing", "2"]) == 0
+    words = ["bake", "build", str(tmp_path / "terrain.f32"), "--terrain", "--out", str(tmp_path), "--quiet"]
+    assert hullmap._hullmap.run_command([*words, "--set", "columns=5", "--set", "rows=4", "--set", "spacing=2"]) == 0
     opened = HeightField.open(tmp_path / "terrain.hullfield")
     assert (opened.heights == heights).all() and opened.spacing == (2.0, 2.0) and opened.source_path == "terrain.f32"
 

@@ -15,7 +15,7 @@ pub fn cost_warning(hull: &Hull, census: &Census) -> Option<String> {
     if hull.index_kind() == IndexKind::None && vertex_count > MANY_WITHOUT_INDEX {
         return Some(format!(
             "hull {name} has no index: every query scans all {vertex_count} vertices; \
-             with --index tree most hulls need at most 8 dot products"
+             with --set index=tree most hulls need at most 8 dot products"
         ));
     }
     (worst > MANY_DOTS).then(|| {
@@ -25,7 +25,7 @@ pub fn cost_warning(hull: &Hull, census: &Census) -> Option<String> {
             if hull.index_kind() == IndexKind::Tree {
                 "--max-vertices makes it simpler"
             } else {
-                "--index tree is usually faster"
+                "--set index=tree is usually faster"
             }
         )
     })

@@ -120,7 +120,7 @@ pub struct HullVerification {
     pub parts: Option<PartsEstimates>,
     /// Why an engine cannot use the part well, each with its remedy.
     pub warnings: Vec<String>,
-    /// Limits of the engine of `--budget` that it exceeds.
+    /// Limits of the engine of `--for` that it exceeds.
     pub budget: Vec<String>,
     /// The kinds of these warnings.
     #[serde(skip)]

@@ -21,7 +21,7 @@ export function testLevels({ Level, Pack, Pair, Shape }, native, meshes) {
   // Heights in rows of nine, from the least y on.
   const heights = Float32Array.from({ length: 81 }, (_, i) => Math.sin(i % 9) * Math.cos(Math.floor(i / 9)));
   writeFileSync(join(meshes, "waves.raw"), new Uint8Array(heights.buffer));
-  native("terrain", join(meshes, "waves.raw"), "--columns", "9", "--rows", "9", "--spacing", "1", "--out", meshes, "--force");
+  native("build", join(meshes, "waves.raw"), "--terrain", "--set", "columns=9", "--set", "rows=9", "--set", "spacing=1", "--out", meshes, "--force");
   const field = join(meshes, "waves.hullfield");
   levels[field] = new Level(readFileSync(field));
   assert.deepEqual([levels[field].kind, levels[field].triangleCount], ["field", 128]);

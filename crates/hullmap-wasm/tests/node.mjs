@@ -36,11 +36,11 @@ writeFileSync(join(meshes, "pyramid.ply"), [...header, ...square, ""].join("\n")
 const files = readdirSync(meshes).filter((name) => /\.(obj|stl|ply|glb)$/.test(name));
 const choices = [
   [{}, []],
-  [{ index: "compact" }, ["--index", "compact"]],
-  [{ index: "cubemap" }, ["--index", "cubemap"]],
-  [{ split: "object", vertices: "all", index: "none" }, ["--split", "object", "--vertices", "all", "--index", "none"]],
+  [{ index: "compact" }, ["--set", "index=compact"]],
+  [{ index: "cubemap" }, ["--set", "index=cubemap"]],
+  [{ split: "object", vertices: "all", index: "none" }, ["--split", "object", "--set", "vertices=all", "--set", "index=none"]],
   [{ maxVertices: 12 }, ["--max-vertices", "12"]],
-  [{ unitScale: 0.01, upAxis: "y-to-z", recentre: true, lean: true }, ["--unit-scale", "0.01", "--up-axis", "y-to-z", "--recentre", "--lean"]],
+  [{ unitScale: 0.01, upAxis: "y-to-z", recentre: true, lean: true }, ["--unit-scale", "0.01", "--up-axis", "y-to-z", "--set", "recentre=true", "--set", "lean=true"]],
 ];
 let equal = 0;
 for (const [options, flags] of choices) {

@@ -12,9 +12,9 @@ def _hullmap_pack_impl(ctx):
     arguments.add("--out", pack.dirname)
 
     # The same pack wherever Bazel puts the mesh, and no search for files that are no inputs.
-    arguments.add("--record-source", "name")
-    arguments.add("--no-config")
-    arguments.add("--pack-names", "stem")
+    arguments.add("--set", "record_source=name")
+    arguments.add("--config", "none")
+    arguments.add("--set", "pack_names=stem")
     arguments.add("--jobs", "1")
     arguments.add("--quiet")
     arguments.add_all(ctx.attr.options)
@@ -34,7 +34,7 @@ hullmap_pack = rule(
     attrs = {
         "mesh": attr.label(allow_single_file = [".obj", ".gltf", ".glb", ".stl", ".ply", ".dae", ".msh"], mandatory = True),
         "buffers": attr.label_list(allow_files = True, doc = "Buffers beside a glTF file."),
-        "options": attr.string_list(doc = "Flags of `bake build`, for instance --index=compact."),
+        "options": attr.string_list(doc = "Flags of `bake build`, for instance --set=index=compact."),
         "bake": attr.label(executable = True, cfg = "exec", allow_single_file = True, mandatory = True),
     },
 )

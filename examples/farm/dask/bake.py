@@ -1,6 +1,6 @@
 """Bakes the tasks of a plan with Dask.
 
-    bake plan MESHES --out PACKS > plan.jsonl
+    bake farm plan MESHES --out PACKS > plan.jsonl
     python bake.py plan.jsonl [SCHEDULER]
 
 Without the address of a scheduler, two worker processes are started on this machine. Dask repeats a
@@ -18,7 +18,7 @@ BAKE = os.environ.get("BAKE", "bake")
 
 def bake(task: str, folder: str) -> tuple[int, str]:
     """Bakes one task, in the folder where it was planned; returns exit code and messages."""
-    words = [BAKE, "task", "-", "--jobs", "1", "--quiet"]
+    words = [BAKE, "farm", "task", "-", "--jobs", "1", "--quiet"]
     done = subprocess.run(words, input=task, cwd=folder, capture_output=True, text=True)
     return done.returncode, done.stderr
 

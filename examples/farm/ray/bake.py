@@ -1,6 +1,6 @@
 """Bakes the tasks of a plan with Ray.
 
-    bake plan MESHES --out PACKS > plan.jsonl
+    bake farm plan MESHES --out PACKS > plan.jsonl
     python bake.py plan.jsonl [ADDRESS]
 
 Ray repeats a task whose worker has died. That is safe: packs are complete or absent, and fresh ones
@@ -19,7 +19,7 @@ BAKE = os.environ.get("BAKE", "bake")
 @ray.remote(num_cpus=1, max_retries=3, retry_exceptions=False)
 def bake(task: str, folder: str) -> tuple[int, str]:
     """Bakes one task, in the folder where it was planned; returns exit code and messages."""
-    words = [BAKE, "task", "-", "--jobs", "1", "--quiet"]
+    words = [BAKE, "farm", "task", "-", "--jobs", "1", "--quiet"]
     done = subprocess.run(words, input=task, cwd=folder, capture_output=True, text=True)
     return done.returncode, done.stderr
 

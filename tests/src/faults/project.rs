@@ -75,7 +75,7 @@ impl Project {
         project.write("in/gone.obj", cloud(20, 3));
         project.write("in/c.gltf", GLTF);
         project.write_version(0);
-        project.bake(&["build", "elsewhere/other.obj", "--out", "o", "--no-config"]);
+        project.bake(&["build", "elsewhere/other.obj", "--out", "o", "--config", "none"]);
         project.bake(&WORDS);
         project.old = project.output();
         project.write_version(1);

@@ -38,10 +38,10 @@ fn expected() -> BTreeMap<&'static str, (u32, usize, Option<f64>)> {
 /// Each index kind, as words on the command line and as the runtime reports it.
 const INDICES: [(&[&str], IndexKind); 5] = [
     (&[], IndexKind::Tree),
-    (&["--index", "compact"], IndexKind::Compact),
-    (&["--index", "binary"], IndexKind::Binary),
-    (&["--index", "cubemap"], IndexKind::CubeMap { resolution: 64 }),
-    (&["--index", "none"], IndexKind::None),
+    (&["--set", "index=compact"], IndexKind::Compact),
+    (&["--set", "index=binary"], IndexKind::Binary),
+    (&["--set", "index=cubemap"], IndexKind::CubeMap { resolution: 64 }),
+    (&["--set", "index=none"], IndexKind::None),
 ];
 
 fn build(out: &Path, words: &[&str]) -> Vec<serde_json::Value> {
@@ -122,7 +122,7 @@ fn bytes_depend_only_on_sources_and_options() {
     }
     // Options do change the bytes.
     let out = tempfile::tempdir().unwrap();
-    build(out.path(), &["--index", "none", "--split", "object"]);
+    build(out.path(), &["--set", "index=none", "--split", "object"]);
     assert!(contents(out.path()).iter().all(|(name, bytes)| first[name] != *bytes));
     println!("{} packs, {} bytes, four times the same", first.len(), first.values().map(Vec::len).sum::<usize>());
 }

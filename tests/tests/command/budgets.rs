@@ -1,4 +1,4 @@
-//! `--for-engine` and `bake verify --budget`: hulls within the limits of engines, counted here by
+//! `--for` and `bake verify --for`: hulls within the limits of engines, counted here by
 //! the faces of packs.
 
 use std::fs;
@@ -60,7 +60,7 @@ fn builds_are_within_every_limit_of_their_engine() {
         // Parts have a number of vertices that is within every limit, so two engines are enough.
         let options: &[&str] = if ["physx-gpu", "box3d"].contains(&engine) { &["", "--decompose"] } else { &[""] };
         for options in options {
-            let line = format!("build . --out p --index none --for-engine {engine} {options} --quiet");
+            let line = format!("build . --out p --set index=none --for {engine} {options} --quiet");
             bake(&folder, &line).expect(0);
             let packs = packs(&folder);
             assert_eq!(packs.len(), 5);
@@ -71,7 +71,7 @@ fn builds_are_within_every_limit_of_their_engine() {
                 }
             }
             // It contains its source, and has a bound on its error like any simplified hull.
-            bake(&folder, &format!("verify p --budget {engine} --directions 200")).expect(0);
+            bake(&folder, &format!("verify p --for {engine} --directions 200")).expect(0);
         }
         fs::remove_dir_all(folder.path().join("p")).unwrap();
     }
@@ -82,7 +82,7 @@ fn builds_are_within_every_limit_of_their_engine() {
 #[test]
 fn hulls_that_fit_stay_exact() {
     let folder = meshes();
-    let run = bake(&folder, "build . --out p --for-engine box3d").expect(0);
+    let run = bake(&folder, "build . --out p --for box3d").expect(0);
     for (name, pack) in packs(&folder) {
         let hull = pack.hull(0).unwrap();
         match name.as_str() {
@@ -94,9 +94,9 @@ fn hulls_that_fit_stay_exact() {
     }
     assert!(run.stderr.contains("simplified to") && run.stderr.contains("at most 128 fit"), "{run:?}");
     // A smaller limit of the user counts.
-    bake(&folder, "build rock.obj --out p --for-engine box3d --max-vertices 12 --quiet").expect(0);
+    bake(&folder, "build rock.obj --out p --for box3d --max-vertices 12 --quiet").expect(0);
     assert!(Pack::open(folder.path().join("p/rock.hullmap")).unwrap().hull(0).unwrap().vertex_count() <= 12);
     // The engine is one of the recorded options.
-    let run = bake(&folder, "build drum.obj --out p --for-engine physx-gpu --check").expect(1);
+    let run = bake(&folder, "build drum.obj --out p --for physx-gpu --check").expect(1);
     assert!(run.stdout.contains("stale") || run.stderr.contains("stale"), "{run:?}");
 }

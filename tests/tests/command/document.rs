@@ -57,7 +57,7 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
     fs::write(folder.path().join("level.obj"), text).unwrap();
     run("build level.obj --out l --keep-triangles").expect(0);
     fs::write(folder.path().join("dem.asc"), "ncols 2\nnrows 2\ncellsize 1\n1 2\n3 4\n").unwrap();
-    run("terrain dem.asc --out h").expect(0);
+    run("build dem.asc --out h --terrain").expect(0);
     // A sheet of two parts.
     let sheet = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 0 1 1\nf 1 2 3 4\nf 1 4 6 5\n";
     fs::write(folder.path().join("sheet.obj"), sheet).unwrap();
@@ -81,16 +81,16 @@ fn every_json_field_is_documented_and_every_documented_one_is_printed() {
                 "build in --out o --check --json",
                 "build in --out p --json",
                 "build sheet.obj --out q --decompose --json",
-                "build box.obj --out t --decompose --primitives --json",
+                "build box.obj --out t --decompose --set primitives=true --json",
                 "build level.obj --out l --keep-triangles --force --json",
-                "terrain dem.asc --out h --json",
+                "build dem.asc --out h --terrain --json",
             ]
             .as_slice(),
         ),
         ("decompose", &["decompose in/a.obj a.glb --json"]),
-        ("key", &["key in/a.obj --json"]),
-        ("plan", &["plan in/a.obj --out o"]),
-        ("status", &["status in --out o --json", "status in --out p --json --shards 3"]),
+        ("farm key", &["farm key in/a.obj --json"]),
+        ("farm plan", &["farm plan in/a.obj --out o"]),
+        ("farm status", &["farm status in --out o --json", "farm status in --out p --json --shards 3"]),
         ("verify", &["verify o --json", "verify o in/a.obj --json", "verify q --json"]),
         ("inspect", &["inspect o --json", "inspect o --json --vertices", "inspect q --json", "inspect t --json"]),
         ("verify: Fields of a triangle mesh or height field", &["verify l --json", "verify h --json"]),

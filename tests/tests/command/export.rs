@@ -130,7 +130,7 @@ fn parts_bake_to_the_same_hulls_under_every_name() {
         ("--for godot", "ell.glb", "ell_part_00"),
         ("--for godot --visible --name Ell", "ell.glb", "Ell_00"),
         ("--for khr-physics", "ell.glb", "ell_part_00"),
-        ("--for khr-physics --draft 2026-06", "ell.glb", "ell_part_00"),
+        ("--for khr-physics --set draft=2026-06", "ell.glb", "ell_part_00"),
         ("--for both", "ell.glb", "ell_part_00"),
     ] {
         bake(&folder, &format!("export ell.hullmap {line} --out out/{file} --force")).expect(0);

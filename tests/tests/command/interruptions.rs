@@ -308,7 +308,7 @@ fn memory_stays_within_the_bound() {
     ] {
         let source = fs::metadata(folder.path().join(file)).unwrap().len();
         let one = bytes * source + 640 * cells + (256 << 10);
-        let bounded = peak(folder, &["--index", index, "--memory", &one.to_string()]);
+        let bounded = peak(folder, &["--set", &format!("index={index}"), "--memory", &one.to_string()]);
         println!("{index}: sources of {source} bytes; peak {bounded} within a bound of {one}");
         assert!(bounded <= one + BASE, "{index}: {bounded} of {one} and {BASE}");
         if folder.path() == texts.path() {

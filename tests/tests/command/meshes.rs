@@ -77,7 +77,7 @@ fn unreferenced_vertices_count_with_vertices_all() {
         let out = tempfile::tempdir().unwrap();
         for row in manifest(&folder).iter().filter(|row| field(row, "hull_vertices_referenced_only").is_some()) {
             let file = folder.join(&row["file"]);
-            let words = ["build", file.to_str().unwrap(), "--vertices", "all", "--verify", "--json", "--out"];
+            let words = ["build", file.to_str().unwrap(), "--set", "vertices=all", "--verify", "--json", "--out"];
             let built = bake(words.into_iter().chain([out.path().to_str().unwrap()])).expect(0).json();
             assert_eq!(built[0]["vertices_in"].to_string(), row["vertices"], "{}", built[0]);
             let pack = Pack::open(out.path().join(&row["file"]).with_extension("hullmap")).unwrap();

@@ -347,7 +347,7 @@ fn collision_parts_with_their_mesh_are_measured() {
         ("UBX_Chair_02", right),
     ]);
     fs::write(folder.path().join("x.obj"), text).unwrap();
-    bake(&folder, "build x.obj --out baked --split auto --recentre --verify").expect(0);
+    bake(&folder, "build x.obj --out baked --split auto --set recentre=true --verify").expect(0);
     let file = fs::read(folder.path().join("baked/x.hullmap")).unwrap();
     let pack = Pack::from_bytes(&file).unwrap();
     let names: Vec<&str> = pack.hulls().map(|hull| hull.name()).collect();
@@ -364,7 +364,7 @@ fn collision_parts_with_their_mesh_are_measured() {
         "{text}"
     );
     // 2 of 3 parts are the solid's own bars, and the lamp is no part.
-    let table = bake(&folder, "verify baked --hulls --source x.obj").expect(0).stdout;
+    let table = bake(&folder, "verify baked --verbose --source x.obj").expect(0).stdout;
     assert!(table.contains("\n3 exact, 1 part within its bounds, 0 failed"), "{table}");
     verify_edited(&folder, &file, OVERSTATED, |record| &record.protrusion, 1);
 }

@@ -48,7 +48,7 @@ fn understands_the_depfile(program: &str, (rules, text): (&str, String), idle: &
 
 #[test]
 fn make_understands_the_depfile() {
-    let words = "build in --out o --quiet --depfile o.d --depfile-target o/stamp";
+    let words = "build in --out o --quiet --depfile o.d --set depfile_target=o/stamp";
     let rules = format!("o/stamp:\n\t{} {words} && touch o/stamp\n-include o.d\n", binary().display());
     understands_the_depfile("make", ("Makefile", rules), "up to date");
 }
@@ -56,7 +56,7 @@ fn make_understands_the_depfile() {
 #[test]
 fn ninja_understands_the_depfile() {
     let bake = binary().display().to_string().replace('$', "$$").replace(' ', "$ ");
-    let words = "build in --out o --quiet --depfile $out.d --depfile-target $out && touch $out";
+    let words = "build in --out o --quiet --depfile $out.d --set depfile_target=$out && touch $out";
     let rules = format!("rule bake\n  command = {bake} {words}\n  depfile = $out.d\nbuild o/stamp: bake\n");
     understands_the_depfile("ninja", ("build.ninja", rules), "no work to do");
 }

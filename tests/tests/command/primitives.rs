@@ -1,5 +1,5 @@
-//! `--primitives`: boxes, balls, capsules and cylinders instead of parts, from the command to the
-//! documents of robots and scenes.
+//! The option `primitives`: boxes, balls, capsules and cylinders instead of parts, from the command
+//! to the documents of robots and scenes.
 
 use std::fs;
 
@@ -45,7 +45,8 @@ fn a_table_is_exported_as_boxes() {
     println!("seed {SEED}");
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("table.obj"), table()).unwrap();
-    let row = bake(&folder, "build table.obj --out baked --decompose --max-error 1% --primitives --json").expect(0);
+    let row =
+        bake(&folder, "build table.obj --out baked --decompose --max-error 1% --set primitives=true --json").expect(0);
     let notes = row.json()[0]["notes"].to_string();
     assert!(notes.contains("5 of 5 parts can be replaced by a box, sphere, capsule or cylinder, proven"), "{notes}");
     bake(&folder, "export baked/table.hullmap --for mjcf --out mjcf").expect(0);
@@ -120,7 +121,7 @@ fn round_bodies_are_exported_as_what_they_are() {
         ("cylinder", flat, vec![0.8, 1.5]),
     ] {
         fs::write(folder.path().join(format!("{name}.obj")), text(&mesh)).unwrap();
-        bake(&folder, &format!("build {name}.obj --out baked --decompose --primitives")).expect(0);
+        bake(&folder, &format!("build {name}.obj --out baked --decompose --set primitives=true")).expect(0);
         bake(&folder, &format!("export baked/{name}.hullmap --for mjcf --out {name}")).expect(0);
         let text = fs::read_to_string(folder.path().join(format!("{name}/{name}.xml"))).unwrap();
         assert!(text.contains(&format!("type=\"{name}\"")), "{text}");
@@ -140,7 +141,7 @@ fn round_bodies_are_exported_as_what_they_are() {
 fn wrong_primitives_fail_verify() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("table.obj"), table()).unwrap();
-    bake(&folder, "build table.obj --out baked --decompose --max-error 1% --primitives").expect(0);
+    bake(&folder, "build table.obj --out baked --decompose --max-error 1% --set primitives=true").expect(0);
     let file = fs::read(folder.path().join("baked/table.hullmap")).unwrap();
     let size = Pack::from_bytes(&file).unwrap().hull(0).unwrap().primitive().unwrap().sizes[0];
     let verified = |edited: &[u8], exit: i32| {

@@ -355,7 +355,7 @@ fn tables_fit_a_screen_of_1400_px() {
     };
     fs::write(folder.path().join("in/small.obj"), cloud(1e-7)).unwrap();
     fs::write(folder.path().join("in/large.obj"), cloud(1e7)).unwrap();
-    run(&folder, &["build", "in", "--out", "packs", "--decompose", "--max-error", "30%", "--index", "cubemap"])
+    run(&folder, &["build", "in", "--out", "packs", "--decompose", "--max-error", "30%", "--set", "index=cubemap"])
         .expect(0);
     let Some(browser) = browser("tables_fit_a_screen_of_1400_px") else { return };
     let measure = "<script>{ const wide = [...document.querySelectorAll(\".scroll\")].filter((box) => \
@@ -508,7 +508,7 @@ fn large_meshes_and_many_hulls_stay_small() {
     fs::create_dir(folder.path().join("in")).unwrap();
     fs::write(folder.path().join("in/sphere.obj"), cloud).unwrap();
     fs::write(folder.path().join("in/many.obj"), many).unwrap();
-    run(&folder, &["build", "in", "--out", "packs", "--split", "object", "--vertices", "all"]).expect(0);
+    run(&folder, &["build", "in", "--out", "packs", "--split", "object", "--set", "vertices=all"]).expect(0);
     let browser = browser("large_meshes_and_many_hulls_stay_small");
     for (pack, said) in [("sphere", "triangles"), ("many", "")] {
         let page = page(&folder, pack);

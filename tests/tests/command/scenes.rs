@@ -57,7 +57,7 @@ fn everything_else_keeps_its_bytes_and_colliders_come_back() {
     let before = hulls(&folder, "model.hullmap");
     assert!(before.len() > 4 && before.contains_key("drum"), "{:?}", before.keys());
     let (old_text, old_bytes) = chunks(&file);
-    for target in ["khr-physics", "omi", "both", "godot", "khr-physics --draft 2026-06"] {
+    for target in ["khr-physics", "omi", "both", "godot", "khr-physics --set draft=2026-06"] {
         bake(&folder, &format!("export model.hullmap --into model.glb --for {target} --out out.glb --force")).expect(0);
         let out = fs::read(folder.path().join("out.glb")).unwrap();
         let (text, bytes) = chunks(&out);
@@ -180,7 +180,7 @@ fn bodies_have_the_mass_of_their_meshes() {
         let value = value.as_f64().unwrap();
         assert!((value - expected).abs() <= 1e-5 * expected.abs().max(1.0), "{value}, not {expected}");
     };
-    for options in ["", "--unit-scale 100 --up-axis y-to-z", "--recentre --unit-scale 0.25"] {
+    for options in ["", "--unit-scale 100 --up-axis y-to-z", "--set recentre=true --unit-scale 0.25"] {
         let (arm, flat) = motion(options);
         // 5 for the L; the drum has 0.75 of height, and is twice as long each way.
         let (ell_mass, drum_mass) = (2.0 * 5.0, 2.0 * 8.0 * 0.75 * drum_area);

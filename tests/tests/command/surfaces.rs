@@ -181,7 +181,7 @@ fn verify_finds_what_is_wrong_in_a_field() {
     };
     let folder = folder_with("in/dem.asc", &grid(" ", " "));
     let path = folder.path().join("o/dem.hullfield");
-    run(&folder, "terrain in/dem.asc --out o").expect(0);
+    run(&folder, "build in/dem.asc --out o --terrain").expect(0);
     let good = fs::read(&path).unwrap();
     for (from, to, expected) in [
         ("8 9 10 11", "8 9 12 11", "differs: heights"),
@@ -189,7 +189,7 @@ fn verify_finds_what_is_wrong_in_a_field() {
         ("xllcorner 100", "xllcorner 101", "grid: Layout"),
     ] {
         fs::write(folder.path().join("in/dem.asc"), grid(from, to)).unwrap();
-        run(&folder, "terrain in/dem.asc --out o").expect(0);
+        run(&folder, "build in/dem.asc --out o --terrain").expect(0);
         let mut forged = fs::read(&path).unwrap();
         forged[24..40].copy_from_slice(&good[24..40]);
         let header = Header::read_kind(&forged, FileKind::HeightField).unwrap();

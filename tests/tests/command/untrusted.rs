@@ -59,7 +59,7 @@ fn names_cannot_control_the_terminal() {
         "build gone/NAME --out p",
         "build in/NAME2.obj --out p/NAME.hullmap",
         "build in --out o --NAME",
-        "build in --out o --index NAME",
+        "build in --out o --set index=NAME",
         "build in --out o --config NAME",
         "build in/NAME.obj --out p --depfile deps",
         "inspect p",
@@ -167,7 +167,7 @@ fn an_entry_of_another_mesh_fails_its_verification() {
     let mesh = |height: u8| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 {height}\n");
     let folder = folder(&[("in/0.obj", &mesh(1)), ("in/3.obj", &mesh(4))]);
     let build = "build in --out o --cache cache --json --force";
-    let rows = bake(&folder, "key in --out o --json").expect(0).json();
+    let rows = bake(&folder, "farm key in --out o --json").expect(0).json();
     bake(&folder, build).expect(0);
     let entry = |row: usize| {
         let key = rows[row]["key"].as_str().unwrap();

@@ -105,12 +105,12 @@ fn thin(object: &ObjectMeasures) -> Option<Doubt> {
     let remedy = match (object.cover, object.solid) {
         (None, _) => "thicken them, or decompose the mesh with --decompose",
         (Some(_), Some(SolidKind::Walls)) => {
-            "the solid of the mesh is its walls, so its parts are as thick as --wall and half of --max-error allow; \
+            "the solid of the mesh is its walls, so its parts are as thick as --set wall and half of --max-error allow; \
              increase both, thicken the mesh, or leave it out if it is a decal"
         }
         (Some(_), _) => {
             "the decomposition made them, the mesh is not at fault; try another --max-error (thin parts become at most \
-             half of it thick), or increase --wall or --max-vertices"
+             half of it thick), or increase --set wall or --max-vertices"
         }
     };
     let (few, many) = (found.len(), parts.len());

@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::handles::HeightField;
 use crate::types::{FieldLayout, Ground, MeshTriangle, Result};
 
-/// Opens the file of a height field, which `bake terrain` writes. The file is copied
+/// Opens the file of a height field, which `bake build --terrain` writes. The file is copied
 /// into memory and checked completely, so that no file can harm a later query.
 ///
 /// path: in UTF-8 on Windows, in the system's bytes elsewhere.

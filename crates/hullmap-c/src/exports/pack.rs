@@ -173,7 +173,7 @@ pub unsafe extern "C" fn hullmap_pack_hull_facts(pack: *const Pack, hull: usize,
     })
 }
 
-/// The primitive that may replace the hull of index `hull` (`bake build --primitives`). Its kind is
+/// The primitive that may replace the hull of index `hull` (option `primitives`). Its kind is
 /// HULLMAP_PRIMITIVE_KIND_NONE if there is none, or the bake did not look for primitives.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_pack_hull_primitive(

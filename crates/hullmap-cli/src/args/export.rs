@@ -14,18 +14,13 @@ pub struct ExportArgs {
     #[arg(required = true, value_name = "FILE|DIR")]
     pub packs: Vec<PathBuf>,
     /// File to write, or folder if several files are written [default: standard output]
-    #[arg(long, value_name = "PATH")]
+    #[arg(short, long, value_name = "PATH")]
     pub out: Option<PathBuf>,
     /// Format of the meshes [default: the extension of --out, or the usual one of the engine]
-    #[arg(long, value_enum, value_name = "obj|stl|glb|json|f32", hide_possible_values = true)]
+    #[arg(long, value_enum, value_name = "obj|stl|glb|json|f32")]
     pub format: Option<Format>,
     /// Use the names and files that an engine expects
-    #[arg(
-        long = "for",
-        value_enum,
-        value_name = "unreal|godot|khr-physics|omi|both|mjcf|urdf|sdf|usd",
-        hide_possible_values = true
-    )]
+    #[arg(long = "for", value_enum, value_name = "unreal|godot|khr-physics|omi|both|mjcf|urdf|sdf|usd")]
     pub target: Option<Target>,
     /// Add the hulls to this glTF file as colliders, below the nodes of their objects; with --for
     /// khr-physics, omi, both, godot or unreal (also to an OBJ file)
@@ -35,14 +30,7 @@ pub struct ExportArgs {
     #[arg(long = "static", requires = "into")]
     pub is_static: bool,
     /// Draft of KHR_physics_rigid_bodies
-    #[arg(
-        long,
-        value_enum,
-        default_value_t = Draft::October2025,
-        value_name = "2025-10|2026-06",
-        hide_possible_values = true,
-        hide_short_help = true
-    )]
+    #[arg(long = "set draft", value_enum, default_value_t = Draft::October2025, value_name = "2025-10|2026-06")]
     pub draft: Draft,
     /// Export only this hull, by name or index; repeatable
     #[arg(long = "hull", value_name = "NAME")]
@@ -58,20 +46,14 @@ pub struct ExportArgs {
     #[arg(long = "visible")]
     pub is_visible: bool,
     /// Prefix of file names in MJCF, URDF and SDF, for instance package://robot/meshes/
-    #[arg(long, value_name = "PREFIX")]
+    #[arg(long = "set mesh_prefix", value_name = "PREFIX")]
     pub mesh_prefix: Option<String>,
     /// Density for the masses in MJCF, URDF, SDF and USD, and with --into: kilograms per cubic unit
     /// of the pack, with --into of the glTF file. Default 1000; in USD, 1000 per cubic metre
     #[arg(long, value_name = "DENSITY", value_parser = density)]
     pub density: Option<f64>,
     /// Rotate about x: z-to-y turns a z-up hull into a y-up mesh
-    #[arg(
-        long,
-        value_enum,
-        default_value_t = UpAxis::Keep,
-        value_name = "keep|y-to-z|z-to-y",
-        hide_possible_values = true
-    )]
+    #[arg(long, value_enum, default_value_t = UpAxis::Keep, value_name = "keep|y-to-z|z-to-y")]
     pub up_axis: UpAxis,
     #[command(flatten)]
     pub usd: UsdArgs,

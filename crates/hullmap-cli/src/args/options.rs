@@ -1,22 +1,70 @@
-//! The options as flags of the subcommands, made from the table.
+//! The options as flags of the subcommands, made from the table; for the few, as keys of `--set`.
+//!
+//! clap sees `--set wall=1%` as the flag `--set wall`, so that each key has a parser, conflicts and
+//! messages of its own.
 
-use std::sync::LazyLock;
+use std::borrow::Cow;
+use std::ffi::OsString;
+use std::iter;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::{Arg, ArgMatches, Command};
 
-use hullmap_pipeline::options::table::{BuildOption, OPTIONS, Scope, Section, position};
+use hullmap_pipeline::options::table::{BuildOption, OPTIONS, Scope, Section, named};
 use hullmap_pipeline::options::value::{Syntax, Value};
 use hullmap_pipeline::options::{OptionLayer, flag};
 
-/// The flags, in the order of the help. clap takes names that live as long as the program.
-static FLAGS: LazyLock<Vec<(&'static BuildOption, &'static str)>> = LazyLock::new(|| {
-    Section::ALL.iter().flat_map(|own| own.options()).map(|option| (option, &*flag(option.key).leak())).collect()
-});
+/// The key of an argument that has no flag of its own.
+pub fn key_of(arg: &Arg) -> Option<&str> {
+    arg.get_long()?.strip_prefix("set ")
+}
 
-/// The subcommand that takes the options of terrains. All others take the options of meshes, and
-/// find terrains by the rules of `hullmap.toml`.
-pub const TERRAIN: &str = "terrain";
+/// The words of a command line with `--set` and its key in one word. A key that has a flag becomes
+/// the flag.
+pub fn joined(words: &[OsString]) -> Vec<OsString> {
+    let mut words = words.iter();
+    let next = || {
+        let word = words.next()?;
+        let setting = match word.to_str().and_then(|word| word.strip_prefix("--set")) {
+            Some("") => words.next().map(|next| next.to_string_lossy()),
+            rest => rest.and_then(|rest| rest.strip_prefix('=')).map(Cow::from),
+        };
+        let Some(setting) = setting else { return Some(word.clone()) };
+        let (key, value) = setting.split_at(setting.find('=').unwrap_or(setting.len()));
+        let key = key.replace('-', "_");
+        let flag = named(&key).map_or_else(|| format!("--set {key}"), |index| flag(OPTIONS[index].key));
+        Some(format!("{flag}{value}").into())
+    };
+    iter::from_fn(next).collect()
+}
+
+/// The subcommand with `--set` in its help, in place of the keys.
+pub fn with_set(own: Command) -> Command {
+    let own = own.mut_subcommands(with_set);
+    let keys: Vec<_> = own.get_arguments().filter(|arg| !arg.is_hide_set()).filter_map(key_of).collect();
+    let help = "Set a further option; repeatable";
+    let set = Arg::new("set").long("set").value_name("KEY=VALUE").help(help);
+    let set = set.long_help(format!("{help}. Keys: {}", keys.join(", ")));
+    let set = set.value_parser(PossibleValuesParser::new(keys.iter().map(|key| format!("{key}="))));
+    let set = (!keys.is_empty()).then_some(set);
+    own.args(set).mut_args(|arg| {
+        let (is_key, takes_values) = (key_of(&arg).is_some(), arg.get_action().takes_values());
+        let arg = if takes_values { arg.hide_possible_values(true) } else { arg };
+        if is_key { arg.hide(true).require_equals(true) } else { arg }
+    })
+}
+
+/// The command without keys, which are no words of a shell.
+pub fn without_keys(own: &Command) -> Command {
+    Command::new(own.get_name().to_owned())
+        .about(own.get_about().cloned().unwrap_or_default())
+        .disable_help_subcommand(true)
+        .args(own.get_arguments().filter(|arg| key_of(arg).is_none()).cloned())
+        .subcommands(own.get_subcommands().map(without_keys))
+}
+
+/// Options of `bake decompose`, with the options of parts.
+const OF_DECOMPOSE: [&str; 5] = ["max_error", "max_vertices", "for_engine", "unit_scale", "up_axis"];
 
 /// The options of a subcommand as flags.
 #[derive(Clone, Debug)]
@@ -24,120 +72,49 @@ pub struct OptionFlags(pub OptionLayer);
 
 impl clap::Args for OptionFlags {
     fn augment_args(command: Command) -> Command {
-        let is_terrain = command.get_name() == TERRAIN;
-        let is_taken = |option: &BuildOption| match option.scope {
-            Scope::All => option.key != "terrain",
-            Scope::Terrains => is_terrain,
-            _ => !is_terrain,
+        let is_taken = |own: &&BuildOption| match command.get_name() {
+            "decompose" => own.scope == Scope::Parts && own.key != "primitives" || OF_DECOMPOSE.contains(&own.key),
+            "robot" => own.scope != Scope::Terrains,
+            _ => true,
         };
-        let mut taken: Vec<_> = FLAGS.iter().filter(|(option, _)| is_taken(option)).collect();
-        // The help has the options of the subcommand first.
-        taken.sort_by_key(|(option, _)| option.scope != Scope::Terrains);
-        command.args(taken.into_iter().map(|(option, flag)| arg(option, flag)))
+        let taken: Vec<Arg> = Section::ALL.iter().flat_map(|own| own.options()).filter(is_taken).map(arg).collect();
+        command.args(taken)
     }
 
     fn augment_args_for_update(command: Command) -> Command {
         Self::augment_args(command)
-    }
-}
-
-/// Options have help of their own where the help of `bake build` is also about whole hulls.
-const OF_PARTS: [(&str, Option<&str>); 9] = [
-    (
-        "max_error",
-        Some(
-            "How far parts may protrude from the mesh's solid: a length, or a share of the mesh's diagonal such as 1%; default 2%",
-        ),
-    ),
-    ("max_vertices", Some("Maximum number of vertices of each part, 4 or more; default 64")),
-    (
-        "for_engine",
-        Some(
-            "Simplify parts to the limits of an engine: physx, physx-gpu, jolt, box3d, unity, unreal, newton or mujoco-warp",
-        ),
-    ),
-    ("max_parts", None),
-    ("solid", None),
-    ("wall", None),
-    ("decompose_seconds", None),
-    ("unit_scale", None),
-    ("up_axis", None),
-];
-
-/// Options of a decomposition as flags of `bake decompose`.
-#[derive(Clone, Debug)]
-pub struct PartsLayer(pub OptionLayer);
-
-impl clap::Args for PartsLayer {
-    fn augment_args(command: Command) -> Command {
-        command.args(OF_PARTS.iter().filter_map(|(key, help)| {
-            let (option, flag) = FLAGS.iter().find(|(option, _)| option.key == *key)?;
-            let arg = arg(option, flag).hide_short_help(false);
-            Some(match help {
-                Some(help) => arg.help(*help),
-                None => arg,
-            })
-        }))
-    }
-
-    fn augment_args_for_update(command: Command) -> Command {
-        Self::augment_args(command)
-    }
-}
-
-impl clap::FromArgMatches for PartsLayer {
-    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let mut layer = Self(OptionLayer::default());
-        layer.update_from_arg_matches(matches)?;
-        Ok(layer)
-    }
-
-    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        for (key, _) in OF_PARTS {
-            if let Some(index) = position(key) {
-                self.0.set_at(index, matches.get_one::<Value>(key).cloned());
-            }
-        }
-        for (key, value) in [("split", "object"), ("decompose", "true"), ("index", "none")] {
-            self.0.set(key, value).map_err(|error| clap::Error::raw(clap::error::ErrorKind::InvalidValue, error))?;
-        }
-        Ok(())
     }
 }
 
 impl clap::FromArgMatches for OptionFlags {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let mut layer = Self(OptionLayer::default());
-        layer.update_from_arg_matches(matches)?;
-        Ok(layer)
+        let mut layer = OptionLayer::default();
+        for (index, option) in OPTIONS.iter().enumerate() {
+            // A subcommand takes some of them.
+            layer.set_at(index, matches.try_get_one::<Value>(option.key).ok().flatten().cloned());
+        }
+        Ok(Self(layer))
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        for (index, option) in OPTIONS.iter().enumerate() {
-            // A subcommand takes some of them.
-            self.0.set_at(index, matches.try_get_one::<Value>(option.key).ok().flatten().cloned());
-        }
+        *self = Self::from_arg_matches(matches)?;
         Ok(())
     }
 }
 
-fn arg(option: &'static BuildOption, flag: &'static str) -> Arg {
+fn arg(option: &'static BuildOption) -> Arg {
     let help = match option.default {
-        value if value != "false" && option.syntax.parse(value) != Ok(Value::None) => {
-            format!("{} [default: {value}]", option.help)
-        }
-        _ => option.help.to_owned(),
+        "false" | "none" => option.help.to_owned(),
+        value => format!("{} [default: {value}]", option.help),
     };
     let arg = Arg::new(option.key)
-        .long(flag)
-        .help(help)
-        .help_heading(option.section.heading())
+        .long(flag(option.key)[2..].to_owned())
+        .help(option.help.split(". ").next().unwrap_or_default())
+        .long_help(help)
+        .help_heading((option.section != Section::Parts).then_some(option.section.heading()))
+        .hide_short_help(option.section != Section::Parts || option.key == "solid")
         .value_name(option.value_name)
-        .value_parser(value_parser(option))
-        .hide_possible_values(true)
-        // Heights, offsets and origins may be below 0.
-        .allow_hyphen_values(option.scope == Scope::Terrains)
-        .hide_short_help(option.is_advanced);
+        .value_parser(value_parser(option));
     match (option.syntax, option.default) {
         // A switch that is on by default can only be switched off, with a value.
         (Syntax::Switch, "false") => arg.num_args(0..=1).require_equals(true).default_missing_value("true"),

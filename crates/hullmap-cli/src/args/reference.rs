@@ -9,22 +9,29 @@ use std::{env, fs};
 
 use clap::{Arg, Command};
 
+use super::DECIDED_BY_ROBOTS;
+use super::options::key_of;
+
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/COMMAND.md");
 const END: &str = "<!-- end -->\n";
 
 /// An argument as it is typed: `--max-vertices N`, `INPUT`.
 fn typed(arg: &Arg) -> String {
     let names = arg.get_value_names().unwrap_or_default().join(" ");
+    let short = arg.get_short().map_or_else(String::new, |short| format!("-{short}, "));
     match arg.get_long() {
         // A switch takes its value after `=`, and rarely has one.
-        Some(long) if !arg.get_action().takes_values() || arg.is_require_equals_set() => format!("--{long}"),
-        Some(long) => format!("--{long} {names}"),
+        Some(long) if key_of(arg).is_some() => format!("--{long}={names}"),
+        Some(long) if !arg.get_action().takes_values() || arg.is_require_equals_set() => format!("{short}--{long}"),
+        Some(long) => format!("{short}--{long} {names}"),
         None => names,
     }
 }
 
 fn meaning(arg: &Arg) -> String {
-    let help = arg.get_help().map(ToString::to_string).unwrap_or_default();
+    // The keys of --set are listed below it.
+    let help = arg.get_long_help().filter(|_| arg.get_id() != "set").or(arg.get_help());
+    let help = help.map(ToString::to_string).unwrap_or_default();
     assert!(!help.is_empty(), "no help: {}", typed(arg));
     let values: Vec<_> = arg.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
     match values.as_slice() {
@@ -35,15 +42,21 @@ fn meaning(arg: &Arg) -> String {
     }
 }
 
+fn name(own: &Command) -> String {
+    own.get_display_name().unwrap_or_default().replace('-', " ")
+}
+
 /// Usage and arguments of a subcommand. Flags that mean the same in `bake build` are only named.
 fn block(own: &Command, build: &Command) -> String {
     let usage = own.clone().render_usage().to_string();
     let mut text = format!("    {}\n", usage.trim_start_matches("Usage: "));
     let is_repeated = |arg: &Arg| {
         let same = |other: &Arg| other.get_long() == arg.get_long() && meaning(other) == meaning(arg);
-        arg.get_long().is_some() && own.get_name() != "build" && build.get_arguments().any(same)
+        arg.get_long().is_some() && name(own) != "bake build" && build.get_arguments().any(same)
     };
-    let shown = own.get_arguments().filter(|arg| !arg.is_hide_set() && arg.get_id() != "help");
+    let is_taken = |key: &str| own.get_name() != "robot" || !DECIDED_BY_ROBOTS.contains(&key);
+    let is_shown = |arg: &&Arg| !arg.is_hide_set() || key_of(arg).is_some_and(is_taken);
+    let shown = own.get_arguments().filter(is_shown).filter(|arg| arg.get_id() != "help");
     let (repeated, listed): (Vec<_>, Vec<_>) = shown.partition(|arg| is_repeated(arg));
     // As in the help: arguments without a heading come first, then headings as they appear.
     let mut headings: Vec<_> = listed.iter().map(|arg| arg.get_help_heading()).collect();
@@ -81,8 +94,9 @@ fn the_page_has_the_flags_of_the_command() {
     let build = command.find_subcommand("build").unwrap();
     let page = fs::read_to_string(PAGE).unwrap();
     let mut made = page.clone();
-    for own in command.get_subcommands() {
-        let mark = format!("<!-- bake {}: made by args/reference.rs -->\n", own.get_name());
+    let own = command.get_subcommands().flat_map(|own| [own].into_iter().chain(own.get_subcommands()));
+    for own in own.filter(|own| !own.has_subcommands()) {
+        let mark = format!("<!-- {}: made by args/reference.rs -->\n", name(own));
         let (before, rest) = made.split_once(&mark).unwrap_or_else(|| panic!("docs/COMMAND.md lacks {mark}"));
         let (_, after) = rest.split_once(END).unwrap();
         made = format!("{before}{mark}{}{END}{after}", block(own, build));

@@ -9,10 +9,10 @@ pub struct UsdArgs {
     #[arg(long, value_name = "ASSET")]
     pub asset: Option<String>,
     /// Length of a unit of the USD stage in metres; default 1
-    #[arg(long, value_name = "F", value_parser = positive)]
+    #[arg(long = "set meters_per_unit", value_name = "F", value_parser = positive)]
     pub meters_per_unit: Option<f64>,
     /// Up axis of the USD stage; default z
-    #[arg(long, value_enum, value_name = "y|z", hide_possible_values = true)]
+    #[arg(long = "set stage_up", value_enum, value_name = "y|z")]
     pub stage_up: Option<StageUp>,
 }
 
@@ -21,8 +21,8 @@ impl UsdArgs {
         let flags = [
             ("--prim", self.prim.is_some()),
             ("--asset", self.asset.is_some()),
-            ("--meters-per-unit", self.meters_per_unit.is_some()),
-            ("--stage-up", self.stage_up.is_some()),
+            ("--set meters_per_unit", self.meters_per_unit.is_some()),
+            ("--set stage_up", self.stage_up.is_some()),
         ];
         flags.into_iter().find_map(|(flag, is_given)| is_given.then_some(flag))
     }

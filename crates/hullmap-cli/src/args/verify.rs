@@ -19,12 +19,12 @@ pub struct VerifyArgs {
     #[arg(long)]
     pub require_source: bool,
     /// List every hull in the table, not one line per pack
-    #[arg(long)]
-    pub hulls: bool,
+    #[arg(short, long)]
+    pub verbose: bool,
     /// Fail if a hull is not within the limits of an engine: physx, physx-gpu, jolt, box3d, unity,
     /// unreal, newton or mujoco-warp
-    #[arg(long, value_name = "ENGINE", value_parser = PossibleValuesParser::new(&NAMES[1..]), hide_possible_values = true)]
-    pub budget: Option<String>,
+    #[arg(long = "for", value_name = "ENGINE", value_parser = PossibleValuesParser::new(&NAMES[1..]))]
+    pub engine: Option<String>,
     /// Number of directions to test on each hull
     #[arg(long, value_name = "N", default_value_t = DEFAULT_DIRECTIONS, value_parser = at_least_one)]
     pub directions: usize,

@@ -8,6 +8,11 @@ pub fn run(args: &CompletionsArgs, program: &str, out: &mut Output) -> Result<Ex
     let program = program.rsplit(' ').next().unwrap_or(program);
     // Into memory first: the generator panics if it cannot write.
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut args::command(program), program, &mut script);
+    clap_complete::generate(
+        args.shell,
+        &mut args::options::without_keys(&args::command(program)),
+        program,
+        &mut script,
+    );
     end(Exit::Done, out.verbatim(&script).map_err(Into::into))
 }

@@ -21,6 +21,7 @@ use hullmap_geometry::number::grouped;
 use hullmap_pipeline::baker::{BakedPack, bake_pack};
 use hullmap_pipeline::mesh_file::body::Body;
 use hullmap_pipeline::mesh_file::{glb, obj, place};
+use hullmap_pipeline::options::BuildOptions;
 use hullmap_pipeline::outcome::{Exit, Failure, end};
 use hullmap_pipeline::pack_file::{folder_of, make_folder};
 use hullmap_pipeline::runner::Observer;
@@ -145,9 +146,17 @@ fn with_progress<T: Send>(
     results.pop().unwrap_or_else(|| Err(Failure::usage("no thread did the work".to_owned())))
 }
 
+fn options(args: &DecomposeArgs) -> BuildOptions {
+    let mut layer = args.options.0.clone();
+    for (key, value) in [("split", "object"), ("decompose", "true"), ("index", "none")] {
+        layer.set(key, value).expect("the table has the value");
+    }
+    layer.resolve()
+}
+
 fn import(args: &DecomposeArgs) -> Result<Imported, Failure> {
     let (path, file) = (&args.input, args.input.display().to_string());
-    let (options, limits) = (args.options.0.resolve(), args.limits.limits());
+    let (options, limits) = (options(args), args.limits.limits());
     let source = read(&file, path, &limits).map_err(|error| match error {
         ReadError::Io(error) => Failure::usage(format!("{file}: cannot read: {error}; check the file")),
         ReadError::Import(error) => Failure::rejected(error.to_string()),
@@ -162,7 +171,7 @@ fn import(args: &DecomposeArgs) -> Result<Imported, Failure> {
 fn decompose(args: &DecomposeArgs, stage: Stage) -> Result<(Imported, BakedPack), Failure> {
     let mut imported = import(args)?;
     stage.reach(READ);
-    let (file, options) = (args.input.display().to_string(), args.options.0.resolve());
+    let (file, options) = (args.input.display().to_string(), options(args));
     let record = SourceRecord { warnings: std::mem::take(&mut imported.warnings), ..SourceRecord::default() };
     let pack = bake_pack(&imported.point_sets, &options, &record, stage.from_to(READ, 1.0))
         .map_err(|error| Failure::rejected(format!("{file}: {error}")))?;
@@ -189,7 +198,7 @@ struct CurveRow {
 fn curves(args: &DecomposeArgs, out: &mut Output) -> Result<Exit, Failure> {
     let found = with_progress(args, |stage| {
         let imported = import(args)?;
-        let cover = args.options.0.resolve().decompose().unwrap_or_default();
+        let cover = options(args).decompose().unwrap_or_default();
         let row =
             |CurvePoint { max_error, parts, vertices, protrusion }| CurveRow { max_error, parts, vertices, protrusion };
         let steps = stage.steps(imported.point_sets.len());

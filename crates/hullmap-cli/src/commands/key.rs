@@ -1,4 +1,4 @@
-//! `bake key`: the key of each pack, and what goes into it.
+//! `bake farm key`: the key of each pack, and what goes into it.
 
 use std::path::Path;
 

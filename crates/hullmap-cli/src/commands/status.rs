@@ -1,4 +1,4 @@
-//! `bake status`: which packs of a build are missing or stale, by their headers.
+//! `bake farm status`: which packs of a build are missing or stale, by their headers.
 //!
 //! Meshes are not read, and packs only if their options seem to differ: fast enough for a million
 //! packs on a network file system. `bake build --check` also notices changed meshes.

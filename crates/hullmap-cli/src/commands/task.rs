@@ -49,24 +49,24 @@ fn jobs(args: &TaskArgs) -> Result<BTreeMap<PathBuf, Vec<Job>>, Failure> {
         })?;
         Box::new(BufReader::new(file))
     };
-    let mut missing: BTreeSet<usize> = args.index.iter().copied().collect();
+    let mut missing: BTreeSet<usize> = args.indices.iter().copied().collect();
     let mut jobs: BTreeMap<PathBuf, Vec<Job>> = BTreeMap::new();
     let mut line = 0;
     let fault = |fault: String| Failure::usage(format!("{shown}: {fault}"));
     while let Some(task) = read_task(&mut reader, &mut line).map_err(fault)? {
         let Task { task: index, out, .. } = &task;
-        if !args.index.is_empty() && !missing.remove(index) {
+        if !args.indices.is_empty() && !missing.remove(index) {
             continue;
         }
         let out = args.out.clone().unwrap_or_else(|| PathBuf::from(out));
         let own = task.jobs(&out).map_err(|fault| Failure::usage(format!("{shown}: task {index}: {fault}")))?;
         jobs.entry(out).or_default().extend(own);
-        if !args.index.is_empty() && missing.is_empty() {
+        if !args.indices.is_empty() && missing.is_empty() {
             break;
         }
     }
     match missing.first() {
-        Some(index) => Err(Failure::usage(format!("{shown}: there is no task {index}; check --index"))),
+        Some(index) => Err(Failure::usage(format!("{shown}: there is no task {index}; check its number"))),
         None => Ok(jobs),
     }
 }

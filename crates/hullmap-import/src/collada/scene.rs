@@ -148,7 +148,7 @@ impl<'a, 'input> Reader<'a, 'input, '_> {
             if self.repeated > self.limits.repeated_vertices {
                 let limit = self.limits.repeated_vertices;
                 let text = format!(
-                    "instances add more than {limit} vertices and corners: apply them in the editor, or raise --max-instanced"
+                    "instances add more than {limit} vertices and corners: apply them in the editor, or raise --set max_instanced"
                 );
                 return Err(fault_at(node, text));
             }

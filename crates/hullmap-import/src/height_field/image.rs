@@ -28,7 +28,7 @@ pub(super) fn is_png(bytes: &[u8]) -> bool {
 pub(super) fn heights(bytes: &[u8], options: &HeightOptions) -> Result<Heights, LineFault> {
     let Samples { columns, rows, samples, white } = samples(bytes)?;
     let grey = |hole: Hole| {
-        let text = format!("no sample is {hole}; name a grey value from 0 to {white} with --hole");
+        let text = format!("no sample is {hole}; name a grey value from 0 to {white} with --set hole=V");
         hole.grey(white).ok_or_else(|| Fault::format(text).of_file())
     };
     let hole = options.hole.map(grey).transpose()?;

@@ -96,7 +96,7 @@ fn finite(heights: Heights) -> Result<Heights, LineFault> {
             let (column, row) = (at % heights.columns.max(1), at / heights.columns.max(1));
             let text = format!(
                 "the height at column {column}, row {row} (counted from the least y) is infinite in 32-bit floats; \
-                 correct the sample, or choose another --height-scale"
+                 correct the sample, or choose another --set height_scale"
             );
             Err(Fault::format(text).of_file())
         }

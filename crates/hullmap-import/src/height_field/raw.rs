@@ -12,8 +12,8 @@ pub(super) fn heights(
     let expected = sample_count(columns, rows)?.saturating_mul(4);
     if bytes.len() != expected {
         let text = format!(
-            "the file has {} bytes, but {rows} rows of {columns} numbers of 32 bits take {expected}; check --rows and \
-             --columns, and that the file is complete",
+            "the file has {} bytes, but {rows} rows of {columns} numbers of 32 bits take {expected}; check --set rows \
+             and --set columns, and that the file is complete",
             bytes.len()
         );
         return Err(Fault::format(text).of_file());

@@ -14,7 +14,7 @@
 //! - *References.* A hull records the `v` line of each vertex. tobj indexes each object's vertices
 //!   by first use, drops the way back, and resolves references when an object ends, so that
 //!   references ahead fail.
-//! - *Vertices without an element*, for `--vertices all` and point clouds, and *`p` elements*.
+//! - *Vertices without an element*, for `vertices=all` and point clouds, and *`p` elements*.
 //! - *Lines.* tobj's errors have no line number, and tobj accepts NaN and infinity.
 //! - *Continued lines, comments behind numbers, lone CRs, byte order marks, UTF-16.*
 //! - *Weights*, by which tobj divides: see the deviations of [`scan`].
@@ -86,7 +86,7 @@ fn source_mesh(scan: Scan, positions: Positions) -> SourceMesh {
     }
     if let Some(line) = scan.free_form_line {
         notes.push(format!(
-            "line {line}: free-form curves and surfaces are not read; --vertices all takes their control points"
+            "line {line}: free-form curves and surfaces are not read; --set vertices=all takes their control points"
         ));
     }
     let mut warnings = Vec::new();

@@ -194,7 +194,7 @@ fn draco_data_is_limited_and_checked() {
     let large = encode_rounded(&large, 5, Some(11));
     assert!(large.len() < 20_000, "{}", large.len());
     let limits = Limits { repeated_vertices: 10_000, ..Limits::DEFAULT };
-    fails(glb(&large, ""), &limits, "--max-instanced");
+    fails(glb(&large, ""), &limits, "--set max_instanced");
     assert!(import_bytes(glb(&large, ""), &Limits::DEFAULT).is_ok_and(|imported| imported.vertex_count > 1000));
 }
 
@@ -213,7 +213,7 @@ fn data_is_rejected_by_its_header_before_it_is_decoded() {
             assert_eq!(claimed, (2000, mesh.vertices.len()), "{version:?}, speed {speed}");
             assert_eq!(draco::decode(&data, 0, claim).ok().unwrap().triangles.len(), 2000);
             let message = import_bytes(glb(&data[..24], ""), &limits).unwrap_err().to_string();
-            assert!(message.contains("--max-instanced"), "{version:?}, speed {speed}: {message}");
+            assert!(message.contains("max_instanced"), "{version:?}, speed {speed}: {message}");
             let message = import_bytes(glb(&data[..24], ""), &Limits::DEFAULT).unwrap_err().to_string();
             assert!(message.contains("is damaged ("), "{version:?}, speed {speed}: {message}");
         }

@@ -216,7 +216,7 @@ fn buffers_beside_the_file_are_read_and_hashed() {
     assert_eq!(read("a.gltf", &path, &Limits::DEFAULT).unwrap().hash, source.hash);
     let limits = Limits { input_bytes: source.bytes.len() as u64 + 5, ..Limits::DEFAULT };
     assert!(
-        matches!(read("a.gltf", &path, &limits), Err(ReadError::Import(e)) if e.to_string().contains("--max-input-bytes"))
+        matches!(read("a.gltf", &path, &limits), Err(ReadError::Import(e)) if e.to_string().contains("max_input_bytes"))
     );
     std::fs::write(&buffer, &parts.buffer[..100]).unwrap();
     let source = read("a.gltf", &path, &Limits::DEFAULT).unwrap();
@@ -379,7 +379,7 @@ fn stl_variants_and_errors() {
     ] {
         assert_eq!(import_bytes("a.stl", text.trim_start().as_bytes(), OBJECTS).unwrap().point_count(), 30);
     }
-    // With --recentre, text coordinates are read as f64.
+    // With recentre, text coordinates are read as f64.
     let far = "solid x\nfacet normal 0 0 1 outer loop\nvertex 1000000.001 0 0 vertex 1000000.002 0 0\nvertex 1000000.003 1 0\nendloop endfacet endsolid";
     let recentred = ImportOptions { recentre: true, ..WHOLE };
     let imported = import_bytes("a.stl", far.as_bytes(), recentred).unwrap();

@@ -424,7 +424,7 @@ fn repeated_primitives_and_names_reach_the_limit() {
             import("a.gltf", "a", Path::new("a.gltf"), &source, &OBJECTS, &Limits::DEFAULT)
         };
         let error = import(4096).unwrap_err().to_string();
-        assert!(error.contains("--max-instanced"), "{error}");
+        assert!(error.contains("max_instanced"), "{error}");
         assert_eq!(import(64).unwrap().point_sets.len(), 64);
     }
 }

@@ -124,7 +124,7 @@ fn texts() -> Vec<Case> {
         case("short faces", "a.obj", ["v 0 0 0\n", "f 1\n", ""], Works(1)),
         case("short triangles", "a.obj", [SQUARE, "f 1 2 3\nf 1 3 4\n", ""], Works(4)),
         case("very many objects", "a.obj", [SQUARE, "o\n", "p 1\n"], Works(1)),
-        split(case("very many objects, split", "a.obj", [SQUARE, "o\n", "p 1\n"], Fails("--max-objects"))),
+        split(case("very many objects, split", "a.obj", [SQUARE, "o\n", "p 1\n"], Fails("max_objects"))),
         case("STL text of solids", "a.stl", [&format!("{FACET}endsolid\n"), "solid\n", ""], Works(3)),
         split(case("STL name of one long line", "a.stl", [&format!("{FACET}solid "), "name", "\nendsolid"], Works(3))),
         case("glTF of deep brackets", "a.gltf", ["{\"asset\":", "[", ""], Fails("expected a string")),
@@ -229,7 +229,7 @@ fn cases() -> Vec<Case> {
             || {
                 gltf::glb(br#"{"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{"componentType":5126,"type":"VEC3","count":1000000000}]}"#, b"")
             },
-            Fails("--max-instanced"),
+            Fails("max_instanced"),
         ),
         case(
             "GLB of too many nodes",
@@ -261,15 +261,10 @@ fn cases() -> Vec<Case> {
         // The import reuses memory that the encoder has freed, so the peaks of these two are too
         // low. In a process without the encoder, a vertex or corner took 23 bytes.
         case("GLB of compressed triangles", "a.glb", || super::draco::sheet(100_000), Works(0)),
-        case(
-            "GLB of too many compressed triangles",
-            "a.glb",
-            || super::draco::sheet(700_000),
-            Fails("--max-instanced"),
-        ),
+        case("GLB of too many compressed triangles", "a.glb", || super::draco::sheet(700_000), Fails("max_instanced")),
         case("GLB of a compressed view", "a.glb", || super::meshopt::zeros(1_000_000), Works(0)),
-        case("GLB of a large compressed view", "a.glb", || super::meshopt::zeros(50_000_000), Fails("--max-instanced")),
-        case("GLB that repeats a mesh beyond the limit", "a.glb", || repeats(20_000), Fails("--max-instanced")),
+        case("GLB of a large compressed view", "a.glb", || super::meshopt::zeros(50_000_000), Fails("max_instanced")),
+        case("GLB that repeats a mesh beyond the limit", "a.glb", || repeats(20_000), Fails("max_instanced")),
         split(case("GLB that repeats a mesh within the limit", "a.glb", || repeats(200), Works(400_000))),
     ];
     texts().into_iter().chain(others).collect()

@@ -47,7 +47,7 @@ mod tests {
 
     use super::*;
     use crate::options::table::{OPTIONS, Scope};
-    use crate::options::{BuildOptions, OptionLayer, template};
+    use crate::options::{BuildOptions, OptionLayer, name, template};
     use hullmap_bake::simplify::Limit;
     use hullmap_import::Split;
 
@@ -109,7 +109,7 @@ index = "cubemap"
         assert_eq!(config.layer(Some(Path::new("x.obj")), Path::new("x.obj")), OptionLayer::default());
         let is_option = |line: &&str| {
             let key = line.strip_prefix("# ").and_then(|rest| rest.split_once(" = ")).map_or("", |(key, _)| key);
-            OPTIONS.iter().any(|option| option.key == key)
+            OPTIONS.iter().any(|option| name(option.key) == key)
         };
         let bare = |line: &str| line.strip_prefix("# ").unwrap_or(line).to_owned();
         let head = template.split("# [[rule]]").next().unwrap();
@@ -117,7 +117,7 @@ index = "cubemap"
             head.lines().map(|line| if is_option(&line) { bare(line) } else { line.to_owned() }).collect();
         // Rules choose the terrains.
         for option in OPTIONS.iter().filter(|option| option.key != "terrain") {
-            let key = option.key;
+            let key = name(option.key);
             assert!(lines.iter().any(|line| line.starts_with(&format!("{key} = "))), "{key}");
         }
         // One by one, because some exclude each other.

@@ -8,10 +8,10 @@ use toml::de::{DeTable, DeValue};
 
 use super::rules::{Config, Rule};
 use crate::glob::Glob;
-use crate::options::OptionLayer;
 use crate::options::removed::{instead_of_option, instead_of_value};
-use crate::options::table::{OPTIONS, Scope, position};
+use crate::options::table::{OPTIONS, Scope, named};
 use crate::options::value::Syntax;
+use crate::options::{OptionLayer, name};
 use crate::outcome::Failure;
 
 const TABLES: [&str; 3] = ["defaults", "terrain", "rule"];
@@ -81,7 +81,7 @@ fn read(root: &DeTable, line_of: &dyn Fn(usize) -> usize) -> Result<(OptionLayer
             ("rule", _) => {
                 return Err(fault(span, "`rule` must be a list of tables: write [[rule]], in double brackets"));
             }
-            (option, _) if position(option).is_some() => {
+            (option, _) if named(option).is_some() => {
                 return Err(fault(
                     span,
                     format!("`{option}` is outside any table: move it below [defaults] or a [[rule]]"),
@@ -142,10 +142,10 @@ fn layer(table: &DeTable, place: Place) -> Result<OptionLayer, Fault> {
             }
             return Err(fault(span, format!("`{key}` applies to the meshes of a rule: move it below a [[rule]]")));
         }
-        let Some(index) = position(key) else {
+        let Some(index) = named(key) else {
             let keys_of_rules: &[&str] = if place == Place::Rule { &[FILES, LINKS, SKIP] } else { &[] };
             let known: Vec<&str> =
-                OPTIONS.iter().map(|option| option.key).chain(keys_of_rules.iter().copied()).collect();
+                OPTIONS.iter().map(|option| name(option.key)).chain(keys_of_rules.iter().copied()).collect();
             let message = instead_of_option(key)
                 .map_or_else(|| unknown("key", key, &known), |instead| format!("`{key}`: {instead}"));
             return Err(fault(span, message));
@@ -184,8 +184,9 @@ fn layer(table: &DeTable, place: Place) -> Result<OptionLayer, Fault> {
     match layer.clash() {
         None => Ok(layer),
         Some(clash) => {
-            let span = in_order(table).into_iter().find(|entry| entry.1 == clash.key).map_or(0..0, |entry| entry.0);
-            Err(fault(span, clash.message(str::to_owned)))
+            let span =
+                in_order(table).into_iter().find(|entry| entry.1 == name(clash.key)).map_or(0..0, |entry| entry.0);
+            Err(fault(span, clash.message(|key| name(key).to_owned())))
         }
     }
 }

@@ -43,9 +43,9 @@ enum Choice {
 }
 
 impl Configs {
-    pub fn new(named: Option<&Path>, none: bool) -> Result<Self, Failure> {
+    pub fn new(named: Option<&Path>) -> Result<Self, Failure> {
         let choice = match named {
-            _ if none => Choice::None,
+            Some(path) if path == Path::new("none") => Choice::None,
             Some(path) => {
                 let config = Config::read(path)?;
                 Choice::One(Arc::new(config), canonical(folder_of(path))?)
@@ -172,7 +172,7 @@ fn file_type(path: &Path) -> Result<Option<FileType>, Failure> {
 
 fn cannot_search(path: &Path, error: &std::io::Error) -> Failure {
     Failure::usage(format!(
-        "{}: cannot search for {FILE_NAME}: {error}; check its permissions, or pass --no-config",
+        "{}: cannot search for {FILE_NAME}: {error}; check its permissions, or pass --config none",
         path.display()
     ))
 }
@@ -234,7 +234,7 @@ mod tests {
     #[test]
     fn the_nearest_file_up_to_the_root_is_used() {
         let folder = folder(&FILES);
-        let mut configs = Configs::new(None, false).unwrap();
+        let mut configs = Configs::new(None).unwrap();
         for (mesh, expected) in [
             ("x.obj", Some(1.0)),
             ("repo/assets/x.obj", Some(2.0)),
@@ -252,7 +252,7 @@ mod tests {
     fn unused_rules_are_reported_if_the_whole_folder_is_built() {
         let text = "[defaults]\nmax_parts = 5\n[[rule]]\nsplit = \"none\"\nfiles = [\"propz/**\", \"*.stl\"]\n\n[[rule]]\nfiles = \"b/*\"\n";
         let folder = folder(&[("a/hullmap.toml", text), ("a/b/x.obj", "")]);
-        let mut configs = Configs::new(None, false).unwrap();
+        let mut configs = Configs::new(None).unwrap();
         configs.layer(&folder.path().join("a/b/x.obj")).unwrap();
         let warned = |input: &str| configs.warnings(&[folder.path().join(input)], |_| input == "a").join("|");
         assert!(warned("a").ends_with("a/hullmap.toml:5: no mesh matches `propz/**` or `*.stl`"), "{}", warned("a"));
@@ -264,12 +264,12 @@ mod tests {
     fn a_named_file_applies_to_all_meshes() {
         let folder = folder(&FILES);
         let named = folder.path().join("repo/assets/hullmap.toml");
-        let mut configs = Configs::new(Some(&named), false).unwrap();
+        let mut configs = Configs::new(Some(&named)).unwrap();
         assert_eq!(scale(&mut configs, folder.path(), "repo/other/x.obj"), Some(2.0));
         assert_eq!(scale(&mut configs, folder.path(), "repo/assets/deep/x.obj"), Some(3.0));
-        let mut configs = Configs::new(None, true).unwrap();
+        let mut configs = Configs::new(Some(Path::new("none"))).unwrap();
         assert_eq!(scale(&mut configs, folder.path(), "repo/assets/x.obj"), None);
-        assert!(Configs::new(Some(&folder.path().join("no.toml")), false).is_err());
+        assert!(Configs::new(Some(&folder.path().join("no.toml"))).is_err());
     }
 
     #[test]

@@ -78,7 +78,7 @@ pub fn jobs(selection: &Selection, out: &Path, say: &mut dyn FnMut(Message)) -> 
         )));
     }
     let mut filter = Filter::new(selection);
-    let mut configs = Configs::new(selection.config.as_deref(), selection.no_config)?;
+    let mut configs = Configs::new(selection.config.as_deref())?;
     let is_terrain = selection.options.kind() == FileKind::HeightField;
     let mut is_meant = |path: &Path| match is_source(path) {
         false if is_grid(path) => {
@@ -136,7 +136,7 @@ pub fn jobs(selection: &Selection, out: &Path, say: &mut dyn FnMut(Message)) -> 
     let jobs: Vec<Job> = chosen.into_iter().zip(names).map(job).collect();
     let unused = selection.options.without_effect(jobs.iter().map(|job| &job.options));
     if let Some(unused) = unused.filter(|_| !jobs.is_empty()) {
-        return Err(Failure::usage(unused.message(|key| format!("--{}", flag(key)))));
+        return Err(Failure::usage(unused.message(flag)));
     }
     let is_cut_by = |config: &Path| {
         jobs.iter().any(|job| job.config.as_deref() == Some(config) && job.options.decompose().is_some())

@@ -73,7 +73,8 @@ pub fn pack_names(meshes: &[Unnamed]) -> Vec<PackName> {
             let (source, output) = (meshes[index].mesh.source.display(), names[index].output.display());
             let clash = other(true).map(|other| {
                 let [first, second] = [index.min(other), index.max(other)].map(|index| &meshes[index].mesh.source);
-                let or_full = if first.file_name() == second.file_name() { "" } else { ", or use --pack-names full" };
+                let or_full =
+                    if first.file_name() == second.file_name() { "" } else { ", or use --set pack_names=full" };
                 let (first, second) = (first.display(), second.display());
                 format!(
                     "{first} and {second} would both become {output}; rename one, or bake them into separate \
@@ -173,7 +174,7 @@ mod tests {
             let meshes = ["a/x.obj", second].map(|mesh| Mesh { source: mesh.into(), folder: "o".into() });
             let unnamed = |mesh| Unnamed { mesh, keeps_extension: Some(false), kind: FileKind::Pack };
             let clash = pack_names(&[unnamed(&meshes[0]), unnamed(&meshes[1])])[0].clash.clone().unwrap();
-            assert_eq!(clash.contains("--pack-names full"), helps, "{clash}");
+            assert_eq!(clash.contains("--set pack_names=full"), helps, "{clash}");
         }
     }
 

@@ -12,10 +12,8 @@ pub struct Selection {
     pub inputs: Vec<PathBuf>,
     /// Options that override `hullmap.toml`.
     pub options: OptionLayer,
-    /// The `hullmap.toml` of all meshes; otherwise the nearest one above each.
+    /// The `hullmap.toml` of all meshes, or `none`; otherwise the nearest one above each.
     pub config: Option<PathBuf>,
-    /// Reads no `hullmap.toml`.
-    pub no_config: bool,
     /// Leaves out the meshes that match.
     pub exclude: Vec<Glob>,
     /// Also takes hidden meshes in folders, and those that a `.gitignore` names.

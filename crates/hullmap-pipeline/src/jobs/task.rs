@@ -146,7 +146,7 @@ pub fn read_task(reader: &mut impl BufRead, line: &mut usize) -> Result<Option<T
         }
         if !bytes.trim_ascii().is_empty() {
             let task = serde_json::from_slice(&bytes);
-            return task.map(Some).map_err(|error| format!("line {line} is not a task of `bake plan`: {error}"));
+            return task.map(Some).map_err(|error| format!("line {line} is not a task of `bake farm plan`: {error}"));
         }
     }
 }

@@ -40,8 +40,8 @@ enum ClashKind {
 }
 
 impl Clash {
-    pub(super) fn of_parts(key: &'static str) -> Self {
-        Self { key, other: "decompose", kind: ClashKind::NoEffect }
+    pub(super) fn without(other: &'static str, key: &'static str) -> Self {
+        Self { key, other, kind: ClashKind::NoEffect }
     }
 
     pub(super) fn of_others(key: &'static str, kind: FileKind) -> Self {
@@ -100,7 +100,7 @@ impl OptionLayer {
         }
     }
 
-    fn first(&self, is_meant: impl Fn(Scope) -> bool) -> Option<&'static str> {
+    pub(super) fn first(&self, is_meant: impl Fn(Scope) -> bool) -> Option<&'static str> {
         let mut given = OPTIONS.iter().zip(&self.values).filter(|(_, value)| value.is_some());
         given.find(|(option, _)| is_meant(option.scope)).map(|(option, _)| option.key)
     }

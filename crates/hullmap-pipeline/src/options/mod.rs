@@ -13,9 +13,11 @@ pub mod value;
 
 pub use layer::OptionLayer;
 pub use resolved::{BuildOptions, RecordSource};
+pub use table::name;
 pub use template::template;
 
-/// The flag of an option, without dashes in front.
+/// An option on the command line: `--max-error`, or `--set wall`.
 pub fn flag(key: &str) -> String {
-    key.replace('_', "-")
+    let is_advanced = table::position(key).is_some_and(|index| table::OPTIONS[index].is_advanced);
+    if is_advanced { format!("--set {key}") } else { format!("--{}", name(key).replace('_', "-")) }
 }

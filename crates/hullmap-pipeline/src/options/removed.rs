@@ -11,6 +11,8 @@ pub const INDEX: &str = "the options index-budget and resolution were removed; c
 
 pub const WALL: &str = "min_thickness was renamed; use wall";
 
+pub const ENGINE: &str = "for_engine and --budget were renamed; use --for, or the key for";
+
 pub const SYMMETRY: &str = "the option symmetry was removed; parts of a symmetric mesh are symmetric unless that \
                             takes more parts";
 
@@ -28,25 +30,15 @@ pub fn may_be_recorded(key: &str) -> bool {
 /// Remedy for an option that this version does not have; `None` if earlier ones did not have it
 /// either. `key` is written as in `hullmap.toml` or as a flag without dashes in front.
 pub fn instead_of_option(key: &str) -> Option<&'static str> {
-    const KEYS: [&str; 9] = [
-        "vhacd_concavity",
-        "vhacd_resolution",
-        "vhacd_max_parts",
-        "vhacd_alpha",
-        "vhacd_beta",
-        "vhacd_plane_downsampling",
-        "vhacd_hull_downsampling",
-        "vhacd_hull_approximation",
-        "vhacd_fill",
-    ];
     match key.replace('-', "_").as_str() {
         "index_budget" | "resolution" => Some(INDEX),
         "min_thickness" => Some(WALL),
+        "for_engine" | "budget" => Some(ENGINE),
         "symmetry" => Some(SYMMETRY),
         "fill" => Some(FILL),
         "overlap" => Some(OVERLAP),
         "reachable" => Some(REACHABLE),
-        key => KEYS.contains(&key).then_some(VHACD),
+        key => key.starts_with("vhacd_").then_some(VHACD),
     }
 }
 

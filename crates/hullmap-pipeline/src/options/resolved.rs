@@ -53,15 +53,20 @@ impl OptionLayer {
         BuildOptions(resolved)
     }
 
-    /// The first option of this layer that has no effect: it shapes parts, and none of `resolved`
-    /// decomposes. Other layers may have contributed to `resolved`.
+    /// The first option of this layer that has no effect: it shapes terrains or parts, and none of
+    /// `resolved` is a terrain or decomposes. Other layers may have contributed to `resolved`.
     pub fn without_effect<'a>(&self, resolved: impl Iterator<Item = &'a BuildOptions> + Clone) -> Option<Clash> {
+        let of_terrains = self.first(|scope| scope == Scope::Terrains);
+        let has_terrains = resolved.clone().any(|options| options.file_kind() == FileKind::HeightField);
+        if let Some(key) = of_terrains.filter(|_| !has_terrains) {
+            return Some(Clash::without("terrain", key));
+        }
         let kind = resolved.clone().next().map(BuildOptions::file_kind).filter(|kind| *kind != FileKind::Pack);
         if let Some(kind) = kind.filter(|kind| resolved.clone().all(|options| options.file_kind() == *kind)) {
             return self.first_option_of_others(kind).map(|key| Clash::of_others(key, kind));
         }
         let has_parts = resolved.clone().any(|options| options.switch("decompose"));
-        self.first_option_of_parts().filter(|_| !has_parts).map(Clash::of_parts)
+        self.first_option_of_parts().filter(|_| !has_parts).map(|key| Clash::without("decompose", key))
     }
 }
 
@@ -153,7 +158,7 @@ impl BuildOptions {
         let Heights { columns, rows, .. } = *heights;
         let spacing = pair("spacing")
             .or(heights.spacing)
-            .ok_or("the file states no distance of its samples; name it with --spacing")?;
+            .ok_or("the file states no distance of its samples; name it with --set spacing=X")?;
         let [dx, dy] = spacing;
         // The middle of the grid is at the origin.
         let middle = [(columns, dx), (rows, dy)].map(|(count, own)| -0.5 * own * count.saturating_sub(1) as f64);
@@ -293,8 +298,7 @@ pub mod tests {
         let defaults = [("max_vertices", max_vertices.to_string()), ("max_error", format!("{}%", 100.0 * share))];
         for (key, default) in defaults {
             let help = OPTIONS[position(key).unwrap()].help;
-            let (_, of_parts) = help.split_once("With --decompose: ").unwrap();
-            assert!(of_parts.ends_with(&format!("default {default}")), "{key}: {help}");
+            assert!(help.contains(&format!("part (default {default})")), "{key}: {help}");
         }
     }
 
@@ -352,7 +356,7 @@ pub mod tests {
         let plain = options(&[("terrain", "true")]);
         let layout = plain.layout(&heights(Some([4.0; 2]), None)).unwrap();
         assert_eq!((layout.origin, layout.diagonal), ([-4.0, -8.0], Diagonal::Rising), "centred");
-        assert!(plain.layout(&heights(None, None)).unwrap_err().contains("--spacing"));
+        assert!(plain.layout(&heights(None, None)).unwrap_err().contains("--set spacing"));
     }
 
     /// A level below a folder whose meshes are decomposed keeps its triangles.

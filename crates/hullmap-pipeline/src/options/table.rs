@@ -20,9 +20,10 @@ pub struct BuildOption {
     /// `max_vertices` stands for the value in [`Cover::default`](hullmap_bake::decompose::Cover).
     pub default: &'static str,
     pub value_name: &'static str,
+    /// `-h` has its first sentence.
     pub help: &'static str,
     pub section: Section,
-    /// Whether `-h` leaves it out; `--help` lists every option.
+    /// Whether the command line has it as `--set key=value`, not as a flag of its own.
     pub is_advanced: bool,
     pub group: Group,
     pub scope: Scope,
@@ -66,8 +67,8 @@ impl Scope {
 /// Section of the help, by what an option changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
-    Shape,
     Parts,
+    Mesh,
     Files,
     Index,
     Terrain,
@@ -91,24 +92,24 @@ pub enum Record {
 }
 
 impl Section {
-    pub const ALL: [Self; 5] = [Self::Shape, Self::Parts, Self::Files, Self::Index, Self::Terrain];
+    pub const ALL: [Self; 5] = [Self::Parts, Self::Mesh, Self::Files, Self::Index, Self::Terrain];
 
     pub const fn heading(self) -> &'static str {
         match self {
-            Self::Shape => "Shape",
-            Self::Parts => "Parts",
+            Self::Parts => "Hulls and parts",
+            Self::Mesh => "Mesh",
             Self::Files => "Files",
             Self::Index => "Index",
             Self::Terrain => "Terrain",
         }
     }
 
-    /// Its options: limits of a shape first, then in the order of the table.
+    /// Its options: the ones that most bakes need first, then in the order of the table.
     pub fn options(self) -> impl Iterator<Item = &'static BuildOption> {
-        let of = move |is_limit: bool| {
-            OPTIONS.iter().filter(move |own| own.section == self && (own.group == Group::Limit) == is_limit)
-        };
-        of(true).chain(of(false))
+        const FIRST: [&str; 4] = ["decompose", "max_parts", "max_error", "max_vertices"];
+        let mut own: Vec<_> = OPTIONS.iter().filter(|option| option.section == self).collect();
+        own.sort_by_key(|option| FIRST.iter().position(|key| *key == option.key).unwrap_or(FIRST.len()));
+        own.into_iter()
     }
 }
 
@@ -121,9 +122,9 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         key: "split",
         syntax: Words(&["none", "object", "auto"]),
         default: "none",
-        value_name: "none|object|auto",
-        help: "One hull per file, per object, or per collision part (glTF colliders, UCX_…)",
-        section: Section::Parts,
+        value_name: "UNIT",
+        help: "One hull per file (none), object, or collision part (auto)",
+        section: Section::Mesh,
         record: Record::Always,
         ..OPTION
     },
@@ -133,7 +134,8 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         default: "referenced",
         value_name: "referenced|all",
         help: "Use the vertices that elements reference, or all vertices",
-        section: Section::Shape,
+        section: Section::Mesh,
+        is_advanced: true,
         record: Record::Always,
         ..OPTION
     },
@@ -141,9 +143,10 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         key: "index",
         syntax: Words(&["tree", "medium", "compact", "binary", "cubemap", "none"]),
         default: "tree",
-        value_name: "KIND",
-        help: "Direction index: tree, medium, compact, binary, cubemap or none",
+        value_name: "tree|medium|compact|binary|cubemap|none",
+        help: "Direction index; medium and compact are smaller than tree",
         section: Section::Index,
+        is_advanced: true,
         record: Record::Always,
         ..OPTION
     },
@@ -152,8 +155,8 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Positive,
         default: "1",
         value_name: "F",
-        help: "Multiply coordinates by F; 0.01 converts centimetres to metres",
-        section: Section::Shape,
+        help: "Multiply coordinates by F; 0.01 turns centimetres into metres",
+        section: Section::Mesh,
         scope: Scope::Meshes,
         ..OPTION
     },
@@ -161,9 +164,9 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         key: "up_axis",
         syntax: Words(&["keep", "y-to-z", "z-to-y"]),
         default: "keep",
-        value_name: "keep|y-to-z|z-to-y",
-        help: "Rotate about x: y-to-z turns a y-up mesh into a z-up mesh",
-        section: Section::Shape,
+        value_name: "TURN",
+        help: "Rotate: keep, y-to-z (y-up becomes z-up) or z-to-y",
+        section: Section::Mesh,
         scope: Scope::Meshes,
         ..OPTION
     },
@@ -173,7 +176,8 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         default: "false",
         value_name: "BOOL",
         help: "Move the origin to the centre of the bounds, for meshes far from the origin",
-        section: Section::Shape,
+        section: Section::Mesh,
+        is_advanced: true,
         ..OPTION
     },
     BuildOption {
@@ -190,8 +194,8 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: CountOrNone { min: MIN_VERTICES },
         default: "none",
         value_name: "N",
-        help: "Maximum number of vertices, 4 or more. Without --decompose: of an enclosing hull; default none, the exact hull. With --decompose: of each part; default 64",
-        section: Section::Shape,
+        help: "Maximum number of vertices of a hull (default all) or part (default 64)",
+        section: Section::Parts,
         group: Group::Limit,
         ..OPTION
     },
@@ -200,8 +204,8 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: LengthOrNone,
         default: "none",
         value_name: "E|E%",
-        help: "Maximum error: a length (2mm is 0.002 units of the mesh), or a share of the mesh's diagonal such as 1%. Without --decompose: how far an enclosing hull may extend beyond the exact one; default none, the exact hull. With --decompose: how far parts may protrude from the mesh's solid; default 2%",
-        section: Section::Shape,
+        help: "Maximum protrusion of a hull (default exact) or part (default 2%). A length (2mm is 0.002 units of the mesh), or a share of the diagonal such as 1%",
+        section: Section::Parts,
         group: Group::Limit,
         ..OPTION
     },
@@ -224,7 +228,6 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         value_name: "N",
         help: "Maximum number of parts; the search then looks for the smallest error",
         section: Section::Parts,
-        is_advanced: true,
         scope: Scope::Parts,
         ..OPTION
     },
@@ -232,10 +235,9 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         key: "solid",
         syntax: Words(&["auto", "closed", "walls"]),
         default: "auto",
-        value_name: "auto|closed|walls",
-        help: "closed: close the holes of an open mesh, and count its inside; walls: count its walls only, so that openings stay open; auto: open surfaces are walls if half of their area has faces on both sides, a hole has more than an eighth of it, or all holes together more than all of it; closed surfaces are solid",
+        value_name: "RULE",
+        help: "Solid of an open mesh: closed (its inside), walls (openings stay open), or auto, which decides by the sizes of walls and holes",
         section: Section::Parts,
-        is_advanced: true,
         scope: Scope::Parts,
         ..OPTION
     },
@@ -288,8 +290,8 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Words(&crate::budget::NAMES),
         default: "none",
         value_name: "ENGINE",
-        help: "Simplify hulls and parts to the limits of an engine: physx, physx-gpu, jolt, box3d, unity, unreal, newton or mujoco-warp",
-        section: Section::Shape,
+        help: "Meet the limits of an engine. One of physx, physx-gpu, jolt, box3d, unity, unreal, newton or mujoco-warp",
+        section: Section::Parts,
         ..OPTION
     },
     BuildOption {
@@ -308,8 +310,8 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Switch,
         default: "false",
         value_name: "BOOL",
-        help: "Write a static mesh of all triangles (.hullmesh) instead of hulls, for a level that does not move",
-        section: Section::Shape,
+        help: "Keep all triangles, as a static mesh (.hullmesh) instead of hulls",
+        section: Section::Mesh,
         group: Group::Content,
         scope: Scope::Meshes,
         ..OPTION
@@ -318,8 +320,8 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         key: "terrain",
         default: "false",
         value_name: "BOOL",
-        help: "Bake a grid of heights as a height field (.hullfield): greyscale PNG, ESRI ASCII, raw f32",
-        section: Section::Terrain,
+        help: "Bake grids of heights (.asc, .png, .f32) as height fields",
+        section: Section::Mesh,
         group: Group::Content,
         scope: Scope::All,
         ..OPTION
@@ -399,7 +401,7 @@ const OPTION: BuildOption = BuildOption {
     default: "false",
     value_name: "",
     help: "",
-    section: Section::Shape,
+    section: Section::Parts,
     is_advanced: false,
     group: Group::Single,
     scope: Scope::Hulls,
@@ -407,8 +409,19 @@ const OPTION: BuildOption = BuildOption {
 };
 
 const TERRAIN: BuildOption =
-    BuildOption { default: "none", section: Section::Terrain, scope: Scope::Terrains, ..OPTION };
+    BuildOption { default: "none", section: Section::Terrain, is_advanced: true, scope: Scope::Terrains, ..OPTION };
 
 pub fn position(key: &str) -> Option<usize> {
     OPTIONS.iter().position(|option| option.key == key)
+}
+
+/// The name of an option in `hullmap.toml` and on the command line. Records and bindings have its
+/// key, since `for` is a keyword of Python.
+pub fn name(key: &str) -> &str {
+    if key == "for_engine" { "for" } else { key }
+}
+
+/// The option of a [`name`].
+pub fn named(text: &str) -> Option<usize> {
+    OPTIONS.iter().position(|option| name(option.key) == text)
 }

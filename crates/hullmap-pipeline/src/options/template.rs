@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use super::table::{BuildOption, Scope, Section};
+use super::table::{BuildOption, Section, name};
 use super::value::Syntax;
 
 const HEAD: &str = "\
@@ -55,9 +55,9 @@ pub fn template() -> String {
     for section in Section::ALL {
         let heading = if section == Section::Terrain { TERRAIN } else { &format!("\n# {}\n", section.heading()) };
         text += heading;
-        let is_shown = |option: &&BuildOption| section != Section::Terrain || option.scope == Scope::Terrains;
-        for option in section.options().filter(is_shown) {
-            let _ = writeln!(text, "# {}.\n# {} = {}", option.help, option.key, toml_value(option));
+        // Rules choose the terrains.
+        for option in section.options().filter(|option| option.key != "terrain") {
+            let _ = writeln!(text, "# {}.\n# {} = {}", option.help, name(option.key), toml_value(option));
         }
     }
     text + RULES

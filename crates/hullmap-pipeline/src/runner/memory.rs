@@ -28,7 +28,7 @@ const PER_CELL: u64 = 640;
 const MAX: u64 = 1 << 42;
 
 /// Estimated peak memory in bytes. It excludes what only reading the file reveals: glTF instances,
-/// which `--max-instanced` limits, images of terrains that compress to less than a tenth, and
+/// which `max_instanced` limits, images of terrains that compress to less than a tenth, and
 /// several cube maps that are built at the same time.
 pub fn estimate(job: &Job) -> u64 {
     let per_byte = if is_text(&job.source) { PER_TEXT_BYTE } else { PER_DENSE_BYTE };

@@ -229,7 +229,7 @@ class HeightField(_Sheet):
 
     @classmethod
     def open(cls, path: FilePath) -> HeightField:
-        """Opens a ``.hullfield`` file, which ``bake terrain`` writes. The file is copied into memory, and all
+        """Opens a ``.hullfield`` file, which ``bake build --terrain`` writes. The file is copied into memory, and all
         of it is checked.
 
         Raises `InvalidPack` if the file is no height field or is damaged, and an `OSError` if it cannot be

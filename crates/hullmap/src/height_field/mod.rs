@@ -1,6 +1,6 @@
 //! Static height fields: ground whose heights are known on a regular grid.
 //!
-//! `bake terrain` and `hullmap_bake::height_field` bake the file. The queries in
+//! `bake build --terrain` and `hullmap_bake::height_field` bake the file. The queries in
 //! [`compound`](crate::compound) take a [`HeightField`] like a
 //! [`TriangleMesh`](crate::TriangleMesh): its parts are its triangles, two for each cell that is
 //! not a hole. A tree of height ranges finds them. Neighbours and classes of edges follow from the

@@ -133,7 +133,7 @@ impl<'a> Hull<'a> {
         std::str::from_utf8(self.name).unwrap_or_default()
     }
 
-    /// Whether the hull is in a lean pack (`bake build --lean`): its [neighbours](Self::neighbours)
+    /// Whether the hull is in a lean pack (option `lean`): its [neighbours](Self::neighbours)
     /// are unknown, and with more than 32 vertices also its [faces](Self::faces).
     ///
     /// All queries work. Support queries, yes or no, distances, rays, casts and contacts return the

@@ -5,8 +5,7 @@ use hullmap_format::PrimitiveKind;
 
 use super::{Hull, vector};
 
-/// A primitive that may replace a convex part (`bake build --primitives`), in the frame of the
-/// hulls.
+/// A primitive that may replace a convex part (option `primitives`), in the frame of the hulls.
 ///
 /// It contains all of the source object's surface that is in the part, so the surface stays covered
 /// if some or all parts are replaced. It is an alternative for engines that are faster with

@@ -381,7 +381,7 @@ impl Pack {
         self.storage.sections().options_text().split('\n')
     }
 
-    /// Whether this is a lean pack (`bake build --lean`), without the data that only manifolds,
+    /// Whether this is a lean pack (option `lean`), without the data that only manifolds,
     /// hints and walks over the surface need: see [`Hull::is_lean`].
     pub fn is_lean(&self) -> bool {
         self.storage.sections().is_lean()

@@ -270,7 +270,7 @@ fn check_flags(args: &ExportArgs, is_many: bool, is_folder: bool) -> Result<(), 
         return usage("--up-axis: hulls keep the axes of the glTF file; leave it out with --into".to_owned());
     }
     if args.mesh_prefix.is_some() && !args.target.is_some_and(Target::is_document) {
-        return usage("--mesh-prefix: only for documents that name files; add --for mjcf, urdf or sdf".to_owned());
+        return usage("--set mesh_prefix: only for documents that name files; add --for mjcf, urdf or sdf".to_owned());
     }
     let has_mass = args.target.is_some_and(Target::is_document) || args.into.is_some() && !args.is_static && !is_unreal;
     if args.density.is_some() && !has_mass {
@@ -321,7 +321,7 @@ fn selected(args: &ExportArgs, path: &Path, pack: &Pack) -> Result<(Vec<usize>, 
         chosen.map(|((index, hull), _)| (index, Body::new(&hull, args.up_axis))).unzip();
     if let Some(body) = bodies.iter().find(|body| body.origin != [0.0; 3]) {
         terminal::note(format_args!(
-            "{}: coordinates are relative to the recorded origin, {} in the source (--recentre)",
+            "{}: coordinates are relative to the recorded origin, {} in the source (option recentre)",
             path.display(),
             body.origin.map(rounded).join(" ")
         ));

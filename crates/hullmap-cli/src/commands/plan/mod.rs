@@ -1,4 +1,4 @@
-//! `bake plan`: the work of a build as tasks, as JSON or for Ninja.
+//! `bake farm plan`: the work of a build as tasks, as JSON or for Ninja.
 //!
 //! Fresh packs are planned as well: the program that runs a task leaves them alone.
 

@@ -4,13 +4,13 @@ use hullmap_pipeline::jobs::task::Task;
 
 /// Start of the file. `restat`: `bake` does not touch packs that are fresh.
 pub const HEAD: &str = "\
-# Written by `bake plan --emit ninja`. Run it in the folder where it was planned; plan again after
+# Written by `bake farm plan --emit ninja`. Run it in the folder where it was planned; plan again after
 # meshes were added, removed or got other options.
 ninja_required_version = 1.5
 bake = bake
 
 rule task
-  command = $bake task $rsp --jobs 1 --quiet
+  command = $bake farm task $rsp --jobs 1 --quiet
   description = bake $rsp
   rspfile = $rsp
   rspfile_content = $task

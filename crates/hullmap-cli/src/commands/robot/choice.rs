@@ -90,8 +90,8 @@ impl Chooser<'_> {
             let shapes = if from_visual { &link.visuals } else { &link.collisions };
             for (shape_index, shape) in shapes.iter().enumerate() {
                 let choice = match &shape.geometry {
-                    _ if self.args.skip.iter().any(|glob| matches(glob, &link.name)) => {
-                        Choice::Kept("--skip".to_owned())
+                    _ if self.args.exclude.iter().any(|glob| matches(glob, &link.name)) => {
+                        Choice::Kept("--exclude".to_owned())
                     }
                     Geometry::Primitive(_) if from_visual => Choice::Primitive,
                     Geometry::Primitive(primitive) => Choice::Kept(primitive.name.clone()),
@@ -105,7 +105,7 @@ impl Chooser<'_> {
     }
 
     fn takes_visuals(&self, link: &Link) -> bool {
-        let is_skipped = self.args.skip.iter().any(|glob| matches(glob, &link.name));
+        let is_skipped = self.args.exclude.iter().any(|glob| matches(glob, &link.name));
         let has_mesh = link.visuals.iter().any(|shape| matches!(shape.geometry, Geometry::Mesh(_)));
         link.takes_visuals
             && match self.args.from_visual {

@@ -71,7 +71,7 @@ pub fn run(args: &RobotArgs, out: &mut Output) -> Result<Exit, Failure> {
     interrupt::catch();
     check_flags(args)?;
     let project = Path::new(".");
-    let mut configs = Configs::new(args.config.as_deref(), args.no_config)?;
+    let mut configs = Configs::new(args.config.as_deref())?;
     let (mut robots, mut job_count) = (Vec::new(), 0);
     let mut taken: BTreeMap<PathBuf, PathBuf> = BTreeMap::new();
     for input in &args.inputs {
@@ -128,7 +128,7 @@ fn millis(start: Instant) -> f64 {
 fn check_flags(args: &RobotArgs) -> Result<(), Failure> {
     if let Some(key) = DECIDED_BY_ROBOTS.iter().find(|key| args.options.0.get(key).is_some()) {
         let (flag, reason) = (flag(key), reason_of_robots(key));
-        let message = format!("--{flag} has no effect on robots, {reason}; remove it");
+        let message = format!("{flag} has no effect on robots, {reason}; remove it");
         return Err(Failure::usage(message));
     }
     let is_single = args.inputs.len() == 1;
@@ -157,7 +157,7 @@ fn prepare(args: &RobotArgs, input: &Path, configs: &mut Configs) -> Result<Robo
     let place = PackPlace { path: input.to_owned(), below: PathBuf::new() };
     let project = Project::of_pack(&place, Path::new("."));
     let roots = project.iter().map(|project| project.root().to_owned()).collect();
-    let remedy = Some("restore it, or leave its link alone with `bake robot --skip`");
+    let remedy = Some("restore it, or leave its link alone with `bake robot --exclude`");
     let places = Places { packages: args.packages.clone(), roots, remedy };
     let mut description = Description::read(input, &places).map_err(|error| one(failure(&error)))?;
     if args.exclude_pairs && description.format == Format::Sdf {
@@ -178,7 +178,7 @@ fn prepare(args: &RobotArgs, input: &Path, configs: &mut Configs) -> Result<Robo
     let resolved = choices.jobs.iter().map(|job| &job.options);
     let unused = args.options.0.without_effect(resolved).filter(|_| !choices.jobs.is_empty());
     if let Some(unused) = unused {
-        return Err(one(Failure::usage(unused.message(|key| format!("--{}", flag(key))))));
+        return Err(one(Failure::usage(unused.message(flag))));
     }
     let unreachable = unreachable(&description, &target, &choices, &places);
     Ok(Robot { description, target, choices, inline, unreachable, first_job: 0 })
@@ -241,7 +241,7 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
     if let Some((last, others)) = failed.split_last() {
         row.errors.extend(others.iter().cloned());
         let exit = baked.iter().map(|(_, exit)| *exit).max().unwrap_or(Exit::Rejected);
-        return Err(Failure { exit, message: format!("{last}; a rule or --skip leaves its link alone") });
+        return Err(Failure { exit, message: format!("{last}; a rule or --exclude leaves its link alone") });
     }
     let stale =
         baked.iter().find(|(own, _)| matches!(own.status, build_rows::Status::Stale | build_rows::Status::Missing));

@@ -24,7 +24,7 @@ use hullmap_verify::pack::{BOUNDS_UNCHECKED, HullVerification, UNMEASURED, WITH_
 const MAX_WARNINGS: usize = 8;
 
 pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
-    if let Some(budget) = args.budget.as_deref().and_then(budget) {
+    if let Some(budget) = args.engine.as_deref().and_then(budget) {
         terminal::note(format_args!("the limits of {} are from {}", budget.name, budget.source));
     }
     let mut exit = Exit::Done;
@@ -61,7 +61,7 @@ pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
         return Ok(exit);
     }
     let has_hulls = !results.is_empty() || surfaces.is_empty();
-    let mut written = if has_hulls { write_text(&results, args.hulls, out) } else { Ok(()) };
+    let mut written = if has_hulls { write_text(&results, args.verbose, out) } else { Ok(()) };
     if !surfaces.is_empty() && written.is_ok() {
         let gap = if has_hulls { out.line("").map_err(Failure::from) } else { Ok(()) };
         written = gap.and_then(|()| surfaces::write_text(&surfaces, out));
@@ -88,7 +88,7 @@ fn verify_file(
                 result.file.clone_from(&file);
                 result.source.clone_from(&shown);
             }
-            if let (Some(name), Asset::Pack(pack)) = (&args.budget, &asset) {
+            if let (Some(name), Asset::Pack(pack)) = (&args.engine, &asset) {
                 judge_budget(name, pack, results);
             }
         }
