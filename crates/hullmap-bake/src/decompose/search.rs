@@ -94,8 +94,9 @@ impl<'a> Search<'a> {
     pub fn hulls(&mut self) -> Option<Vec<Hull>> {
         let error = self.parameters.max_error.resolve(self.diagonal());
         let half = symmetry::mirror_of_mesh(self.mesh, self.field.solid());
-        let half = half.map(|mirror| Surface::new(self.mesh).halved(mirror, self.diagonal()));
-        let whole = Surface::new(self.mesh);
+        let surface = || Surface::new(self.mesh, self.field.solid());
+        let half = half.map(|mirror| surface().halved(mirror, self.diagonal()));
+        let whole = surface();
         let Some(count) = self.parameters.max_parts.map(|count| count as usize) else {
             let symmetric = half.and_then(|half| {
                 let found = self.within(&half, error, usize::MAX, false)?;

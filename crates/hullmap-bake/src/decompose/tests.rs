@@ -40,6 +40,25 @@ fn cross() -> PointSet {
     mesh
 }
 
+/// Both sides of all faces, which are flat, along the same diagonals and along others, take the parts
+/// of one side.
+#[test]
+fn faces_on_both_sides_change_no_part() {
+    for mesh in [concave::open_box(), concave::chair()] {
+        let one = point_set(&mesh);
+        let quads = mesh.faces.iter().map(|face| face.iter().rev().copied().collect::<Vec<_>>());
+        let reversed = point_set(&shapes::mesh::Mesh { vertices: mesh.vertices.clone(), faces: quads.collect() });
+        let turned = one.triangles.iter().map(|[a, b, c]| [*a, *c, *b]).collect::<Vec<_>>();
+        assert_ne!(turned, reversed.triangles, "the sample is not representative");
+        let parts = |more: Vec<[u32; 3]>| {
+            let mut both = one.clone();
+            both.triangles.extend(more);
+            decompose(&both, &Cover::default()).unwrap().unwrap().len()
+        };
+        assert_eq!([parts(turned), parts(reversed.triangles)], [parts(Vec::new()); 2]);
+    }
+}
+
 #[test]
 fn larger_errors_take_fewer_parts() {
     for mesh in [concave::horseshoe(6), concave::pipe(8), concave::l()] {
@@ -246,7 +265,7 @@ fn the_number_of_parts_is_never_exceeded() {
     let mesh = frame.of_mesh(&mesh);
     let solid = Solid::in_frame(&mesh, SolidRule::Auto);
     let vertices = SourceVertices::new(&mesh, &frame);
-    let surface = Surface::new(&mesh);
+    let surface = Surface::new(&mesh, &solid);
     for max_parts in [Some(1), Some(2), None] {
         let cover = Cover { max_parts, ..Cover::default() };
         let mut search = Search {

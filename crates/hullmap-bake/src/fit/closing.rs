@@ -20,6 +20,9 @@ use glam::DVec3;
 
 use crate::groups::{find, join};
 
+/// Angle up to which two triangles at an edge lie on each other.
+const FOLDED: f64 = 1e-6;
+
 /// Triangles that close the mesh of `triangles`, which index `positions`, for each hole. Empty if
 /// the mesh is closed. Vertices of equal position must have been merged: only equal indices are one
 /// vertex.
@@ -100,6 +103,59 @@ pub fn are_open(triangles: &[[u32; 3]], distinct: &[bool]) -> Vec<bool> {
     let mut is_open = vec![false; triangles.len()];
     rims.into_iter().for_each(|triangle| is_open[find(&mut root, triangle) as usize] = true);
     (0..triangles.len() as u32).map(|triangle| is_open[find(&mut root, triangle) as usize]).collect()
+}
+
+/// The triangles of the layers that face outward, where the two sides of a closed surface are
+/// divided into other triangles, so that none repeats another. A layer continues at an edge with
+/// the next triangle in front of it. `None` if no such layers bound an inside. Volumes of at most
+/// `least` times the area count as none.
+///
+/// # Complexity
+/// O(n log n) for n triangles, if few meet at an edge.
+pub fn outward(positions: &[DVec3], triangles: &[[u32; 3]], counts: &[bool], least: f64) -> Option<Vec<bool>> {
+    let at = |v: u32| positions[v as usize];
+    // Edges from their lower end, with the triangle, its third corner, and whether it runs back.
+    let mut edges: Vec<([u32; 2], u32, u32, bool)> = (0..)
+        .zip(triangles)
+        .filter(|(index, _)| counts[*index as usize])
+        .flat_map(|(index, &[a, b, c])| {
+            [(a, b, c), (b, c, a), (c, a, b)]
+                .map(|(from, to, apex)| ([from.min(to), from.max(to)], index, apex, from > to))
+        })
+        .collect();
+    edges.sort_unstable();
+    let mut root: Vec<u32> = (0..triangles.len() as u32).collect();
+    for same in edges.chunk_by(|a, b| a.0 == b.0) {
+        let [low, high] = same[0].0.map(at);
+        let along = (high - low).normalize_or_zero();
+        let across = |apex: u32| (at(apex) - low).reject_from_normalized(along).normalize_or_zero();
+        for &(_, index, apex, is_back) in same {
+            let own = across(apex);
+            let normal = if is_back { own.cross(along) } else { along.cross(own) };
+            let turn = |other: DVec3| {
+                let angle = libm::atan2(other.dot(normal), other.dot(own));
+                if angle > FOLDED { angle } else { angle + std::f64::consts::TAU }
+            };
+            let opposed = same.iter().filter(|other| other.3 != is_back);
+            let next = opposed.min_by(|a, b| turn(across(a.2)).total_cmp(&turn(across(b.2))));
+            next.into_iter().for_each(|other| join(&mut root, index, other.1));
+        }
+    }
+    let mut layers = vec![[0.0; 2]; triangles.len()];
+    for index in (0..triangles.len()).filter(|index| counts[*index]) {
+        let [a, b, c] = triangles[index].map(at);
+        let normal = (b - a).cross(c - a);
+        let layer = &mut layers[find(&mut root, index as u32) as usize];
+        layer[0] += (a - positions[0]).dot(normal) / 6.0;
+        layer[1] += 0.5 * normal.length();
+    }
+    let is_outward = |index: usize| {
+        let [volume, area] = layers[find(&mut root, index as u32) as usize];
+        counts[index] && volume > least * area
+    };
+    let found: Vec<bool> = (0..triangles.len()).map(is_outward).collect();
+    let chosen: Vec<[u32; 3]> = triangles.iter().zip(&found).filter(|(_, own)| **own).map(|(t, _)| *t).collect();
+    (!chosen.is_empty() && boundary(&chosen).is_empty()).then_some(found)
 }
 
 /// The only other triangle at each edge, and whether it faces the other way.

@@ -7,6 +7,7 @@
 //!    is not closed, merge vertices of its boundary that are closer than 1e-6 of the diagonal.
 //! 2. Turn round triangles that face the other way than their surface, and close holes by cones
 //!    ([`closing`]). Every point off the surface has an integer winding number then.
+//!    Where the two sides of a surface cancel, only the outer one counts.
 //! 3. Cast rays that count crossings of triangles ([`winding`](super::winding)). If none is
 //!    certain, add the solid angles of all triangles.
 //!
@@ -20,7 +21,11 @@
 //! - Jacobson thresholds a fractional winding number. Closing the holes first makes it an integer,
 //!   which can be certified and is constant between the triangles.
 
-use std::{cell::Cell, collections::HashMap, ops::ControlFlow};
+use std::{
+    cell::Cell,
+    collections::{HashMap, HashSet},
+    ops::ControlFlow,
+};
 
 use glam::DVec3;
 pub use hullmap_format::SolidKind;
@@ -122,6 +127,9 @@ impl Solid {
         let diagonal = if mesh.triangles.is_empty() { 0.0 } else { bounds[0].distance(bounds[1]) };
         let (positions, mut indices) = merged(mesh, &source);
         let mut distinct = distinct(&indices);
+        if let Some(outward) = outward_layers(&positions, &indices, &distinct, bounds) {
+            distinct = outward;
+        }
         let mut cones = close(&positions, &mut indices, &distinct);
         let mut moved = 0.0;
         if !cones.is_empty() {
@@ -151,11 +159,7 @@ impl Solid {
         triangles.extend(cones.into_iter().flatten());
         counts.resize(triangles.len(), true);
         let is_hollow = is_flat(&triangles, &counts, diagonal);
-        let tree = TriangleTree::new(&triangles);
-        let rounding = ROUNDING * bounds[0].abs().max(bounds[1].abs()).max_element().max(0.0);
-        let needles = triangles.iter().map(triangle::needle).fold(0.0, f64::max);
-        let surface = ClosedSurface { triangles, counts, tree, diagonal, bounds, moved, rounding, needles };
-        let mut solid = Self { surface, mesh_count, is_whole: Vec::new(), is_hollow, kind: SolidKind::Walls };
+        let mut solid = Self { mesh_count, ..Self::of_triangles(triangles, counts, bounds, moved) };
         // Volumes of opposite orientation may have cancelled.
         solid.is_hollow = is_hollow && !solid.has_inside();
         if !is_walls && !solid.is_hollow {
@@ -164,6 +168,16 @@ impl Solid {
         let closing = mesh_count as u32..solid.surface.triangles.len() as u32;
         solid.is_whole = closing.into_par_iter().map(|index| sides::is_beside_inside(&solid.surface, index)).collect();
         solid
+    }
+
+    fn of_triangles(triangles: Vec<Triangle>, counts: Vec<bool>, bounds: [DVec3; 2], moved: f64) -> Self {
+        let diagonal = if triangles.is_empty() { 0.0 } else { bounds[0].distance(bounds[1]) };
+        let tree = TriangleTree::new(&triangles);
+        let rounding = ROUNDING * bounds[0].abs().max(bounds[1].abs()).max_element().max(0.0);
+        let needles = triangles.iter().map(triangle::needle).fold(0.0, f64::max);
+        let mesh_count = triangles.len();
+        let surface = ClosedSurface { triangles, counts, tree, diagonal, bounds, moved, rounding, needles };
+        Self { surface, mesh_count, is_whole: Vec::new(), is_hollow: false, kind: SolidKind::Walls }
     }
 
     fn in_source(mut self, frame: &Frame) -> Self {
@@ -438,6 +452,29 @@ fn distinct(triangles: &[[u32; 3]]) -> Vec<bool> {
         distinct[index] = a != b && b != c;
     }
     distinct
+}
+
+/// The triangles that face outward, where all surfaces are closed and have faces on both sides.
+/// Those on the other side may repeat them, or be divided along other diagonals. `None` if the two
+/// sides do not cancel everywhere.
+fn outward_layers(
+    positions: &[DVec3],
+    triangles: &[[u32; 3]],
+    distinct: &[bool],
+    bounds: [DVec3; 2],
+) -> Option<Vec<bool>> {
+    let mut seen = HashSet::new();
+    let turned = |&[a, b, c]: &[u32; 3]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min();
+    let sides: Vec<bool> =
+        triangles.iter().map(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0] && seen.insert(turned(t))).collect();
+    let corners: Vec<Triangle> = triangles.iter().map(|t| t.map(|v| positions[v as usize])).collect();
+    let diagonal = bounds[0].distance(bounds[1]);
+    let may_cancel = is_flat(&corners, &sides, diagonal) && closing::boundary(&chosen(triangles, &sides)).is_empty();
+    if !may_cancel || closing::are_open(triangles, distinct).contains(&true) {
+        return None;
+    }
+    let both = Solid::of_triangles(corners, sides.clone(), bounds, 0.0);
+    if both.has_inside() { None } else { closing::outward(positions, triangles, &sides, SHEET * diagonal) }
 }
 
 /// Triangles that close each hole of the mesh of distinct triangles, after reversed ones are turned

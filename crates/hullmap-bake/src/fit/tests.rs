@@ -343,6 +343,39 @@ fn double_faces_are_not_a_hole() {
     assert!(solid.is_inside(DVec3::splat(0.5)));
 }
 
+/// Both sides of each quad, along different diagonals, so that no triangle is repeated.
+#[test]
+fn two_sides_along_other_diagonals_bound_an_inside() {
+    let cube = block([0.0; 3], [1.0; 3], false);
+    let outer = block([-1.0; 3], [2.0; 3], false);
+    let two_sided = |mesh: &PointSet| {
+        let mut both = mesh.clone();
+        for pair in mesh.triangles.chunks_exact(2) {
+            // The two triangles of a quad share a diagonal.
+            let alone = |own: [u32; 3], other: [u32; 3]| own.iter().position(|v| !other.contains(v)).unwrap();
+            let [s, t] = [pair[0], pair[1]];
+            let (i, j) = (alone(s, t), alone(t, s));
+            let (a, b, c, d) = (s[i], s[(i + 1) % 3], t[j], s[(i + 2) % 3]);
+            both.triangles.extend([[a, c, b], [a, d, c]]);
+        }
+        both
+    };
+    let lying = two_sided(&{
+        let mut open = cube.clone();
+        open.triangles.drain(2..4);
+        open
+    });
+    assert_eq!(Solid::new(&lying).kind(), SolidKind::Walls);
+    for (mesh, expected) in [(cube.clone(), [true, false]), (joined(&[cube, outer]), [true, true])] {
+        let both = two_sided(&mesh);
+        assert_eq!(both.triangles.len(), 2 * mesh.triangles.len());
+        let solid = Solid::new(&both);
+        assert_eq!(solid.kind(), SolidKind::Watertight);
+        assert_eq!([0.3, 1.4].map(|x| solid.is_inside(DVec3::splat(x))), expected);
+        assert!(!solid.is_inside(DVec3::splat(2.2)));
+    }
+}
+
 #[test]
 fn split_vertices_are_merged() {
     // Each triangle has its own corners, which differ by rounding.

@@ -282,7 +282,8 @@ pub mod tests {
     /// Calls `with` with a search within a share of the diagonal, and the surface as a piece.
     pub fn with_search<T>(mesh: &Mesh, share: f64, with: impl FnOnce(&PartitionSearch, &Piece) -> T) -> T {
         let mesh = point_set(mesh);
-        let (solid, surface) = (Solid::new(&mesh), Surface::new(&mesh));
+        let solid = Solid::new(&mesh);
+        let surface = Surface::new(&mesh, &solid);
         let (diagonal, limit) = (solid.diagonal(), share * solid.diagonal());
         let bounds =
             HullLimits { limit, max_vertices: 64, diagonal, thickness: 0.0, deadline: None, stage: Stage::default() };

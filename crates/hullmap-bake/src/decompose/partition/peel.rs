@@ -214,7 +214,12 @@ mod tests {
     #[test]
     fn caps_come_by_size() {
         let (mut found, mut open) = (0, 0);
-        for (mesh, share) in [(gear(9, 0.4), 0.02), (concave::bowl(24, 8), 0.02), (concave::spiral_stair(9), 0.01)] {
+        for (mesh, share) in [
+            (gear(9, 0.4), 0.02),
+            (concave::bowl(24, 8), 0.02),
+            (concave::mug(24), 0.02),
+            (concave::spiral_stair(9), 0.01),
+        ] {
             with_search(&mesh, share, |search, piece| {
                 for along in [Along::All, Along::One(DVec3::X)] {
                     let (mut caps, mut all) = (Caps::new(search, piece, along), Caps::new(search, piece, along));

@@ -16,7 +16,7 @@ fn limits(limit: f64, solid: &Solid) -> PartitionLimits<'static> {
 fn checked(mesh: &PointSet, share: f64) -> Vec<Part> {
     let solid = Solid::new(mesh);
     let limit = share * solid.diagonal();
-    let surface = Surface::new(mesh);
+    let surface = Surface::new(mesh, &solid);
     let found = search(&surface, &mut Field::new(&solid), &limits(limit, &solid)).unwrap().whole;
     let hulls: Vec<&Hull> = found.iter().map(|part| &part.hull).collect();
     let bound = uncovered(mesh, &hulls).bound;
@@ -240,7 +240,8 @@ fn triangle_soups_are_covered() {
         let mesh = PointSet { triangles, ..PointSet::of_positions(positions) };
         let solid = Solid::new(&mesh);
         let limit = 0.05 * solid.diagonal();
-        let found = search(&Surface::new(&mesh), &mut Field::new(&solid), &limits(limit, &solid)).unwrap().whole;
+        let found =
+            search(&Surface::new(&mesh, &solid), &mut Field::new(&solid), &limits(limit, &solid)).unwrap().whole;
         let bound = uncovered(&mesh, &found.iter().map(|part| &part.hull).collect::<Vec<_>>()).bound;
         assert!(bound <= 1e-6 * solid.diagonal(), "seed {seed}: {bound}");
         assert!(found.iter().all(|part| part.bound <= limit), "seed {seed}");
