@@ -712,7 +712,7 @@ class Hull(ConvexShape):
 
     def mesh_mass_properties(self, density: float = 1.0) -> Optional[MassProperties]:
         """Mass, centre of mass and inertia tensor of the mesh that the hull, or the part, was baked
-        from. ``None`` if the pack does not record them: the mesh is not closed, or there is none."""
+        from. ``None`` if the pack does not record them: the mesh is not watertight, or there is none."""
         mesh = self._facts["mesh"]
         if mesh is None:
             return None

@@ -52,7 +52,10 @@ fn every_example_is_run() {
     let is_tested = |document: &str, language: &str| {
         // `tests/tests/command/cases.rs` runs the cases, and lists their files.
         let is_case = document.starts_with("tests/cases/") && language == "console";
+        // `guides.rs` requires that each command of a guide is a step of its case.
+        let is_guide = document.starts_with("docs/guides/") && language == "sh";
         is_case
+            || is_guide
             || TESTED.iter().any(|(tested, by_language, test)| {
                 let name = Path::new(document).file_name().unwrap_or_default().to_string_lossy();
                 (*tested, *by_language) == (document, language) && read(test).contains(&*name)

@@ -2,5 +2,6 @@
 
 mod comments;
 mod documents;
+mod guides;
 mod names;
 mod readme;

@@ -83,6 +83,31 @@ fn the_table_is_what_the_command_prints() {
     }
 }
 
+/// The first bake in the README makes the parts that the text states, of the mesh in the picture.
+#[test]
+fn the_teapot_has_the_stated_numbers() {
+    let folder = empty_folder("the_teapot_has_the_stated_numbers");
+    let mesh = "tests/meshes/vhacd_teapot.obj";
+    std::fs::create_dir_all(folder.join("tests/meshes")).unwrap();
+    std::fs::copy(workspace().join(mesh), folder.join(mesh)).unwrap();
+    let readme = read("README.md");
+    let commands =
+        readme.lines().filter_map(|line| line.strip_prefix("    bake ")).filter(|line| line.contains("teapot"));
+    let printed: Vec<String> =
+        commands.map(|line| bake_in(&folder, line.split_whitespace()).expect(0).stdout).collect();
+    let [build, _export] = &printed[..] else { panic!("{} commands", printed.len()) };
+    let row = build.lines().find(|line| line.starts_with(mesh)).expect(build);
+    let cells: Vec<&str> = row.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect();
+    let triangles = read(mesh).lines().filter(|line| line.starts_with("f ")).count();
+    let words: Vec<&str> = readme.split_whitespace().collect();
+    for stated in [
+        format!("{} parts with {} vertices", cells[2], cells[4]),
+        format!("{},{:03} triangles", triangles / 1000, triangles % 1000),
+    ] {
+        assert!(words.join(" ").contains(&stated), "the README lacks: {stated}");
+    }
+}
+
 #[test]
 fn the_citation_has_the_version() {
     let manifest = read("Cargo.toml");

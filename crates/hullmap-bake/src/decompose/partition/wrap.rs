@@ -4,7 +4,8 @@
 //! # Steps
 //! 1. Start with the planes of the largest faces.
 //! 2. Find a point of the polytope that is too far from the solid or the part: a vertex, a point of
-//!    a face, or a point that the proof found. Add the plane of a large face that cuts it off. Repeat.
+//!    a face, or a point that the proof found. Add the plane of a large face that cuts it off.
+//!    Repeat.
 //! 3. Drop planes, small faces first, as long as nothing becomes too far.
 //! 4. With too many vertices, start again, with more room around the part.
 //!

@@ -244,7 +244,7 @@ class _Maker:
             "meters_per_unit": self.meters, "kilograms_per_unit": self.kilograms, "up_axis": self.up,
         }  # fmt: skip
         text, of_hulls = _hullmap.usd_layer(stage, self.groups, off)
-        note = "the mass comes from its hulls, because the mesh is not closed"
+        note = "the mass comes from its hulls, because the mesh is not watertight"
         self.prims = [
             BakedPrim(**{**vars(prim), "notes": (*prim.notes, note)}) if prim.path in of_hulls else prim
             for prim in self.prims
