@@ -11,7 +11,7 @@ pub const INDEX: &str = "the options index-budget and resolution were removed; c
 
 pub const WALL: &str = "min_thickness was renamed; use wall";
 
-pub const ENGINE: &str = "--for-engine and --budget became --for; the key is for";
+pub const ENGINE: &str = "--for-engine and --budget were renamed; use --for, or for in hullmap.toml";
 
 pub const SYMMETRY: &str = "the option symmetry was removed; parts of a symmetric mesh are symmetric unless that \
                             takes more parts";
