@@ -40,8 +40,7 @@ fn cross() -> PointSet {
     mesh
 }
 
-/// Both sides of all faces, which are flat, along the same diagonals and along others, take the parts
-/// of one side.
+/// Both sides of flat faces, along the same diagonals and along others, take the parts of one side.
 #[test]
 fn faces_on_both_sides_change_no_part() {
     for mesh in [concave::open_box(), concave::chair()] {
