@@ -106,7 +106,7 @@ def test_points_without_faces_were_not_decomposed_in_silence(tmp_path):
 
 @pytest.mark.parametrize("flags", [{}, {"decompose": True}, {"index": "compact", "unit_scale": 0.01}])
 def test_a_saved_pack_has_the_bytes_of_the_command(mesh, flags):
-    words = [f"--{key.replace('_', '-')}" if value is True else f"--{key.replace('_', '-')}={value}" for key, value in flags.items()]
+    words = [word for key, value in flags.items() for word in ("--set", f"{key}={str(value).lower()}")]
     run = command("build", mesh.name, "--out", ".", *words, cwd=mesh.parent)
     assert run.returncode == 0, run.stderr
     assert hullmap.bake_file(mesh, **flags).to_bytes() == (mesh.parent / "ell.hullmap").read_bytes()
