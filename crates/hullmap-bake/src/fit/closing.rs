@@ -23,6 +23,9 @@ use crate::groups::{find, join};
 /// Angle up to which two triangles at an edge lie on each other.
 const FOLDED: f64 = 1e-6;
 
+/// Maximum number of triangles at an edge that are compared with each other.
+const MAX_AT_EDGE: usize = 64;
+
 /// Triangles that close the mesh of `triangles`, which index `positions`, for each hole. Empty if
 /// the mesh is closed. Vertices of equal position must have been merged: only equal indices are one
 /// vertex.
@@ -105,13 +108,13 @@ pub fn are_open(triangles: &[[u32; 3]], distinct: &[bool]) -> Vec<bool> {
     (0..triangles.len() as u32).map(|triangle| is_open[find(&mut root, triangle) as usize]).collect()
 }
 
-/// The triangles of the layers that face outward, where the two sides of a closed surface are
-/// divided into other triangles, so that none repeats another. A layer continues at an edge with
-/// the next triangle in front of it. `None` if no such layers bound an inside. Volumes of at most
-/// `least` times the area count as none.
+/// The triangles of the layers that face outward, where closed surfaces have triangles on both
+/// sides. A layer continues at an edge with the next triangle in front of it. `None` if no such
+/// layers bound an inside, or if too many triangles meet at an edge. Volumes of at most `least`
+/// times the area count as none.
 ///
 /// # Complexity
-/// O(n log n) for n triangles, if few meet at an edge.
+/// O(n log n) for n triangles.
 pub fn outward(positions: &[DVec3], triangles: &[[u32; 3]], counts: &[bool], least: f64) -> Option<Vec<bool>> {
     let at = |v: u32| positions[v as usize];
     // Edges from their lower end, with the triangle, its third corner, and whether it runs back.
@@ -127,6 +130,9 @@ pub fn outward(positions: &[DVec3], triangles: &[[u32; 3]], counts: &[bool], lea
     let mut root: Vec<u32> = (0..triangles.len() as u32).collect();
     for same in edges.chunk_by(|a, b| a.0 == b.0) {
         let [low, high] = same[0].0.map(at);
+        if same.len() > MAX_AT_EDGE {
+            return None;
+        }
         let along = (high - low).normalize_or_zero();
         let across = |apex: u32| (at(apex) - low).reject_from_normalized(along).normalize_or_zero();
         for &(_, index, apex, is_back) in same {
@@ -300,6 +306,21 @@ mod tests {
         assert_eq!(are_open(&with_wing, &[true; 7]), [false; 7]);
         // The two sides of a triangle.
         assert_eq!(are_open(&[[0, 1, 2], [0, 2, 1]], &[true, false]), [true; 2]);
+    }
+
+    #[test]
+    fn few_triangles_at_an_edge_are_compared() {
+        let fan = |count: u32| -> Option<Vec<bool>> {
+            let apex = |i: u32| DVec3::new(libm::cos(f64::from(i)), libm::sin(f64::from(i)), 0.5);
+            let positions: Vec<DVec3> = [DVec3::ZERO, DVec3::Z].into_iter().chain((0..count).map(apex)).collect();
+            // Both sides of a tetrahedron over each two of the corners around the edge.
+            let solids =
+                (2..count + 1).step_by(2).flat_map(|v| [[0, v, v + 1], [1, v + 1, v], [0, 1, v], [1, 0, v + 1]]);
+            let sides: Vec<[u32; 3]> = solids.flat_map(|[a, b, c]| [[a, b, c], [a, c, b]]).collect();
+            outward(&positions, &sides, &vec![true; sides.len()], 0.0)
+        };
+        assert_eq!(fan(2).unwrap().iter().filter(|own| **own).count(), 4);
+        assert_eq!(fan(100), None);
     }
 
     #[test]

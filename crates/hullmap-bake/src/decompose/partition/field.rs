@@ -194,11 +194,6 @@ impl<'a> Field<'a> {
         self.flats = Flats::new(self.solid, limit);
     }
 
-    /// Height above large flat faces that is too much; 0 without such faces.
-    pub fn flat_height(&self) -> f64 {
-        self.flats.height()
-    }
-
     /// Finds the local maxima of the distance above a length, which makes proofs for greater
     /// lengths faster. Does nothing if a smaller length is done, or if there were too many above a
     /// greater one.

@@ -32,6 +32,7 @@ impl Surface {
                 let mut corners = [at(*a)?, at(*b)?, at(*c)?];
                 let mut key = corners.map(bits);
                 key.sort_unstable();
+                // A line bounds nothing, but must be covered.
                 let is_line = key[0] == key[1] || key[1] == key[2];
                 let is_needed = solid.bounds_inside(index) || solid.kind() == SolidKind::Walls || is_line;
                 if normal(&corners).dot(normal(turned)) < 0.0 {
