@@ -10,6 +10,9 @@ use twox_hash::XxHash3_64;
 const START: &str = "exported by bake, seal ";
 const ZEROS: &str = "0000000000000000";
 
+/// Maximum number of seals that are checked, each by a pass over the file.
+const MAX_SEALS: usize = 8;
+
 /// A writer puts it into the file, once.
 pub const SEAL: &str = "exported by bake, seal 0000000000000000";
 
@@ -26,7 +29,7 @@ pub fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
 
 /// Whether a file is as [`sealed`] left it. A file that was added to another sealed file has two.
 pub fn is_sealed(mut bytes: Vec<u8>) -> bool {
-    let places: Vec<usize> = places(&bytes).collect();
+    let places: Vec<usize> = places(&bytes).take(MAX_SEALS).collect();
     places.into_iter().any(|at| {
         let own = at..at + ZEROS.len();
         let Some(found) = bytes.get(own.clone()).map(<[u8]>::to_vec) else { return false };

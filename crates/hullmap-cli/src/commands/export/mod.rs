@@ -77,7 +77,7 @@ pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
     if let Some(folder) = args.out.as_deref().filter(|_| is_many) {
         sweep_below(folder);
     }
-    let (mut exit, mut is_nothing) = (Exit::Done, true);
+    let (mut exit, mut is_nothing, mut is_changed, mut left_out) = (Exit::Done, true, false, Vec::new());
     let mut taken: HashMap<String, PathBuf> = HashMap::new();
     for place in find_packs(&args.packs)? {
         // A folder may hold levels, too.
@@ -86,7 +86,7 @@ pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
             && let Some(remedy) = export.unfit(kind)
         {
             let (file, noun) = (place.path.display(), noun(kind));
-            terminal::note(format_args!("{file}: left out, because it is a {noun}; {remedy}"));
+            left_out.push(format!("{file}: left out, because it is a {noun}; {remedy}"));
             continue;
         }
         is_nothing = false;
@@ -107,9 +107,10 @@ pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
                 terminal::error(&failure);
                 exit = exit.max(failure.exit);
             }
-            other => drop(other?),
+            other => is_changed |= other?,
         }
     }
+    left_out.iter().filter(|_| is_changed || is_nothing).for_each(terminal::note);
     if is_nothing {
         return Err(Failure::usage("nothing to export: there are only files without hulls"));
     }
