@@ -90,8 +90,7 @@ pub fn print_messages(rows: &[Row], args: &RunArgs, prunes: bool) {
 
 /// The remedy at the end of a note, if it names an option.
 fn advice(note: &str) -> Option<&str> {
-    let remedy = note.rsplit("; ").next().unwrap_or(note);
-    remedy.contains("--").then_some(remedy)
+    note.rsplit_once("; ").map(|(_, remedy)| remedy).filter(|remedy| remedy.contains("--"))
 }
 
 fn others(sources: &[&str]) -> String {
@@ -244,6 +243,7 @@ mod tests {
         let note = "the mesh is concave; its hull has 29% more volume; for convex parts, use --decompose";
         assert_eq!(advice(note), Some("for convex parts, use --decompose"));
         assert_eq!(advice("a: --max-vertices decided; 22 parts; the whole surface is covered"), None);
+        assert_eq!(advice("2 vertices that no element references, left out (--set vertices=all includes them)"), None);
         assert_eq!(others(&[]), "");
         assert_eq!(others(&["b.obj", "c.obj"]), " (and 2 more like it: b.obj, …; --verbose lists them)");
     }

@@ -50,10 +50,8 @@ impl Table {
                     line.push_str("  ");
                 }
                 let space = " ".repeat(width.saturating_sub(cell.chars().count()));
-                let cell = style(cell)
-                    .filter(|_| title == "status")
-                    .map(|style| out.painted(cell, style))
-                    .unwrap_or(cell.clone());
+                let style = style(cell).filter(|_| title == "status" || title == "result");
+                let cell = style.map_or_else(|| cell.clone(), |style| out.painted(cell, style));
                 match align {
                     Align::Left => line.extend([cell, space]),
                     Align::Right => line.extend([space, cell]),
@@ -66,12 +64,12 @@ impl Table {
     }
 }
 
-/// Style of a status, as tables name it.
+/// Style of a status or result, as tables name it.
 fn style(status: &str) -> Option<Style> {
     match status {
         "FAILED" => Some(terminal::BAD),
-        "stale" | "missing" | "orphaned" | "not read" => Some(terminal::DOUBTFUL),
-        "baked" | "written" | "fresh" | "ok" => Some(terminal::GOOD),
+        "stale" | "missing" | "orphaned" | "not read" | "passed with warnings" => Some(terminal::DOUBTFUL),
+        "baked" | "fresh" | "exact" | "within its bounds" | "contains its source" => Some(terminal::GOOD),
         _ => None,
     }
 }
