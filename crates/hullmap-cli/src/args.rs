@@ -8,6 +8,7 @@ mod guesses;
 mod limits;
 mod numbers;
 pub mod options;
+mod project;
 #[cfg(test)]
 mod reference;
 #[cfg(test)]
@@ -112,6 +113,9 @@ pub enum Command {
         after_help = "Example:\n  bake completions bash > ~/.local/share/bash-completion/completions/bake"
     )]
     Completions(CompletionsArgs),
+    /// Write a manual page of each command to a folder
+    #[command(hide = true, after_help = "Example:\n  bake man ~/.local/share/man/man1")]
+    Man(ManArgs),
 }
 
 #[derive(Debug, Subcommand)]
@@ -144,7 +148,7 @@ pub struct MeshArgs {
     pub options: OptionFlags,
     #[command(flatten)]
     pub limits: LimitArgs,
-    /// Read options from FILE, or `none` [default: the nearest hullmap.toml above a mesh]
+    /// Read options from FILE, or `none` [default: the nearest hullmap.toml]
     #[arg(long, hide_short_help = true, value_name = "FILE", help_heading = FILES)]
     pub config: Option<PathBuf>,
     /// Leave out meshes that match GLOB, as in hullmap.toml; repeatable
@@ -177,13 +181,13 @@ impl MeshArgs {
 
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct RunArgs {
-    /// Number of threads [default: one per core]
-    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = RUNNING)]
+    /// Number of threads [default: one per core] [env: HULLMAP_JOBS]
+    #[arg(short, long, env = "HULLMAP_JOBS", hide_env = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = RUNNING)]
     pub jobs: Option<u16>,
-    /// Maximum memory; a file that needs more is baked alone [default: 4G]
-    #[arg(long, hide_short_help = true, value_name = "SIZE", value_parser = size, help_heading = RUNNING)]
+    /// Maximum memory of all files at once [default: 4G] [env: HULLMAP_MEMORY]
+    #[arg(long, env = "HULLMAP_MEMORY", hide_env = true, hide_short_help = true, value_name = "SIZE", value_parser = size, help_heading = RUNNING)]
     pub memory: Option<u64>,
-    /// List fresh packs too
+    /// List fresh packs too, and all notes
     #[arg(short, long, hide_short_help = true, help_heading = RUNNING)]
     pub verbose: bool,
     /// Print only errors
@@ -198,7 +202,7 @@ pub struct RunArgs {
 pub struct BuildArgs {
     #[command(flatten)]
     pub meshes: MeshArgs,
-    /// Write packs to DIR, which mirrors the input folders
+    /// Write packs to DIR [default: `output` of hullmap.toml]
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
     /// Bake every mesh, even if its pack is fresh
@@ -227,8 +231,8 @@ pub struct BuildArgs {
     /// The shard of `bake farm build`.
     #[arg(skip)]
     pub shard: Option<Shard>,
-    /// Take finished packs from DIR, which may be shared, and add baked ones
-    #[arg(long, value_name = "DIR", conflicts_with = "check", hide_short_help = true, help_heading = FILES)]
+    /// Take finished packs from DIR, and add baked ones [env: HULLMAP_CACHE]
+    #[arg(long, env = "HULLMAP_CACHE", hide_env = true, value_name = "DIR", hide_short_help = true, help_heading = FILES)]
     pub cache: Option<PathBuf>,
 }
 
@@ -256,7 +260,7 @@ pub struct DecomposeArgs {
     pub options: OptionFlags,
     #[command(flatten)]
     pub limits: LimitArgs,
-    /// Replace OUT if it exists
+    /// Replace OUT, also if bake did not write it
     #[arg(long, help_heading = RUNNING)]
     pub force: bool,
     /// Print only errors
@@ -324,8 +328,8 @@ pub struct TaskArgs {
     /// Verify each pack before it replaces the old one
     #[arg(long)]
     pub verify: bool,
-    /// Take finished packs from DIR, by their keys, and add packs that are baked; DIR may be shared
-    #[arg(long, value_name = "DIR")]
+    /// Take finished packs from DIR, and add baked ones [env: HULLMAP_CACHE]
+    #[arg(long, env = "HULLMAP_CACHE", hide_env = true, value_name = "DIR")]
     pub cache: Option<PathBuf>,
     /// Write the results as JSON to FILE, and exit with 0 even if meshes were rejected
     #[arg(long, value_name = "FILE")]
@@ -397,7 +401,7 @@ pub struct RobotArgs {
     #[arg(long = "set samples", value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(0..=1_000_000), help_heading = FILES)]
     pub samples: u32,
     /// Seed of these random configurations
-    #[arg(long, value_name = "SEED", default_value_t = 0, hide_short_help = true, help_heading = FILES)]
+    #[arg(long = "set seed", value_name = "S", default_value_t = 0, help_heading = FILES)]
     pub seed: u64,
     /// Write a page of the robot: links in 3D, joints, protrusion, pairs of links that touch
     #[arg(long, value_name = "FILE.html", conflicts_with = "check", help_heading = FILES)]
@@ -482,7 +486,7 @@ pub struct ReportArgs {
     #[arg(long, value_name = "N", default_value_t = DEFAULT_DIRECTIONS, value_parser = at_least_one)]
     pub directions: usize,
     /// Seed of the random directions
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(long = "set seed", value_name = "S", default_value_t = 0)]
     pub seed: u64,
     #[command(flatten)]
     pub limits: LimitArgs,
@@ -512,6 +516,13 @@ pub struct CompletionsArgs {
     pub shell: clap_complete::Shell,
 }
 
+#[derive(Debug, clap::Args)]
+pub struct ManArgs {
+    /// Folder of the pages
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+}
+
 fn up() -> impl TypedValueParser<Value = Up> {
     PossibleValuesParser::new(["z", "y"]).map(|axis| if axis == "y" { Up::Y } else { Up::Z })
 }
@@ -530,7 +541,11 @@ pub fn command(program: &str) -> clap::Command {
             if is_decided { option.hide(true) } else { option }
         })
     };
-    let command = Cli::command().bin_name(program).mut_subcommand("robot", of_robots).mut_subcommands(with_set);
+    let color = Arg::new("color").long("color").global(true).hide_short_help(true).hide_possible_values(true);
+    let color = color.value_name("WHEN").value_parser(["auto", "always", "never"]);
+    let color = color.help("Print in colour: auto, always or never [default: auto]");
+    let command =
+        Cli::command().arg(color).bin_name(program).mut_subcommand("robot", of_robots).mut_subcommands(with_set);
     let command =
         command.mut_subcommand("decompose", |own| own.mut_arg("decompose_seconds", |arg| arg.conflicts_with("curve")));
     if program == "bake" {
@@ -547,6 +562,13 @@ pub fn command(program: &str) -> clap::Command {
     renamed(command, program)
 }
 
+/// The value of `--color`, also in a line with errors, which are printed in colour.
+pub fn color(words: &[OsString]) -> &str {
+    let mut words = words.iter().filter_map(|word| word.to_str()).skip_while(|word| !word.starts_with("--color"));
+    let first = words.next().unwrap_or_default();
+    first.strip_prefix("--color=").or(words.next()).unwrap_or_default()
+}
+
 /// Parses the command line. The error is clap's: exit code 2, or 0 for `--help` and `--version`.
 pub fn parse<I, T>(words: I) -> Result<Cli, clap::Error>
 where
@@ -555,7 +577,12 @@ where
 {
     let words: Vec<OsString> = words.into_iter().map(Into::into).collect();
     let words = joined(&words);
-    parse_words(&words).map_err(|error| {
+    let completed = |error| match project::completed(&words, &error, command(&program(&words))) {
+        Ok(Some(words)) => parse_words(&words),
+        Ok(None) => Err(error),
+        Err(failure) => Err(clap::Error::raw(ErrorKind::Io, format!("{failure}\n"))),
+    };
+    parse_words(&words).or_else(completed).map_err(|error| {
         if error.kind() == ErrorKind::DisplayHelp && words.iter().any(|word| word == "--help") {
             return whole_help(&words).unwrap_or(error);
         }
@@ -572,7 +599,7 @@ fn whole_help(words: &[OsString]) -> Option<clap::Error> {
         None => arg.hide_short_help(false),
     };
     let whole = |own: clap::Command| own.mut_args(shown);
-    let command = command(&program(words)).mut_subcommands(|own| whole(own).mut_subcommands(whole));
+    let command = whole(command(&program(words))).mut_subcommands(|own| whole(own).mut_subcommands(whole));
     let short = |word: &OsString| if word == "--help" { OsString::from("-h") } else { word.clone() };
     command.try_get_matches_from(words.iter().map(short)).err()
 }

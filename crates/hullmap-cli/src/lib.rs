@@ -44,6 +44,7 @@ use terminal::Output;
 /// the process with exit code 130, and unfinished packs are removed.
 pub fn run<W: Into<OsString> + Clone>(words: impl IntoIterator<Item = W>) -> u8 {
     let words: Vec<OsString> = words.into_iter().map(Into::into).collect();
+    terminal::paint(args::color(&words));
     let cli = match args::parse(&words) {
         Ok(cli) => cli,
         Err(error) => {
@@ -86,5 +87,6 @@ fn dispatch(cli: &Cli, program: &str, out: &mut Output) -> Result<Exit, Failure>
         Command::Report(args) => commands::report::run(args, out),
         Command::Init(args) => commands::init::run(args, out),
         Command::Completions(args) => commands::completions::run(args, program, out),
+        Command::Man(args) => commands::man::run(args, program),
     }
 }

@@ -1,5 +1,6 @@
 //! Runs the jobs of a build with progress, and prints its messages and rows.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use hullmap_geometry::number::grouped;
@@ -51,10 +52,16 @@ pub fn run_jobs(jobs: &[&Job], build: &Build, args: &RunArgs) -> Result<Vec<(Row
     Ok(results)
 }
 
-/// Prints messages in the order of the rows. `prunes`: orphans were to be removed.
-pub fn print_messages(rows: &[Row], is_quiet: bool, prunes: bool) {
+/// Prints messages in the order of the rows. `prunes`: orphans were to be removed. Without
+/// `--verbose`, only notes that give advice are printed, and the same advice once.
+pub fn print_messages(rows: &[Row], args: &RunArgs, prunes: bool) {
+    let mut advised: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    let noted = |row: &&Row| row.status != Status::Orphaned;
+    for (row, note) in rows.iter().filter(noted).flat_map(|row| row.notes.iter().map(move |note| (row, note))) {
+        advised.entry(advice(note).unwrap_or_default()).or_default().push(&row.source);
+    }
     for row in rows {
-        if !is_quiet {
+        if !args.quiet {
             if row.status == Status::Orphaned {
                 let remedy = match row.notes.first() {
                     Some(kept) => format!(", but {kept}"),
@@ -64,8 +71,12 @@ pub fn print_messages(rows: &[Row], is_quiet: bool, prunes: bool) {
                 let reason = row.reason.as_deref().unwrap_or_default();
                 terminal::note(format_args!("{}: {reason}{remedy}", row.output));
             }
-            for note in row.notes.iter().filter(|_| row.status != Status::Orphaned) {
-                terminal::note(format_args!("{}: {note}", row.source));
+            for note in row.notes.iter().filter(|_| noted(&row)) {
+                if args.verbose {
+                    terminal::note(format_args!("{}: {note}", row.source));
+                } else if let Some(sources) = advice(note).and_then(|advice| advised.remove(advice)) {
+                    terminal::note(format_args!("{}: {note}{}", row.source, others(&sources[1..])));
+                }
             }
             for warning in &row.warnings {
                 terminal::warning(format_args!("{}: {warning}", row.source));
@@ -75,6 +86,17 @@ pub fn print_messages(rows: &[Row], is_quiet: bool, prunes: bool) {
             terminal::error(error);
         }
     }
+}
+
+/// The remedy at the end of a note, if it names an option.
+fn advice(note: &str) -> Option<&str> {
+    note.rsplit_once("; ").map(|(_, remedy)| remedy).filter(|remedy| remedy.contains("--"))
+}
+
+fn others(sources: &[&str]) -> String {
+    let Some(first) = sources.first() else { return String::new() };
+    let more = if sources.len() > 1 { ", …" } else { "" };
+    format!(" (and {} more like it: {first}{more}; --verbose lists them)", sources.len())
 }
 
 pub fn write_rows(rows: &[Row], args: &RunArgs, is_check: bool, out: &mut Output) -> Result<(), Failure> {
@@ -214,6 +236,16 @@ mod tests {
         let mut out = Vec::new();
         write_table(&rows()[..1], false, false, &mut Output::new(&mut out)).unwrap();
         assert_eq!(out, b"0 baked, 1 fresh, 0 failed; 0 hulls in 0 bytes\n");
+    }
+
+    #[test]
+    fn only_notes_with_an_option_are_advice() {
+        let note = "the mesh is concave; its hull has 29% more volume; for convex parts, use --decompose";
+        assert_eq!(advice(note), Some("for convex parts, use --decompose"));
+        assert_eq!(advice("a: --max-vertices decided; 22 parts; the whole surface is covered"), None);
+        assert_eq!(advice("2 vertices that no element references, left out (--set vertices=all includes them)"), None);
+        assert_eq!(others(&[]), "");
+        assert_eq!(others(&["b.obj", "c.obj"]), " (and 2 more like it: b.obj, …; --verbose lists them)");
     }
 
     #[test]

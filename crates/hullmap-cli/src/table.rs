@@ -4,7 +4,9 @@ use std::io;
 
 use hullmap_geometry::number::LEAST_PLAIN;
 
-use crate::terminal::{Escaped, Output};
+use clap::builder::styling::Style;
+
+use crate::terminal::{self, Escaped, Output};
 
 /// A longer cell, such as a long path, shifts the rest of its own row only.
 const MAX_WIDTH: usize = 80;
@@ -43,18 +45,32 @@ impl Table {
         let heading: Vec<String> = self.columns.iter().map(|(title, _)| (*title).to_owned()).collect();
         for row in [&heading].into_iter().chain(&self.rows) {
             let mut line = String::new();
-            for ((cell, &width), &(_, align)) in row.iter().zip(&widths).zip(&self.columns) {
+            for ((cell, &width), &(title, align)) in row.iter().zip(&widths).zip(&self.columns) {
                 if !line.is_empty() {
                     line.push_str("  ");
                 }
+                let space = " ".repeat(width.saturating_sub(cell.chars().count()));
+                let style = style(cell).filter(|_| title == "status" || title == "result");
+                let cell = style.map_or_else(|| cell.clone(), |style| out.painted(cell, style));
                 match align {
-                    Align::Left => line.push_str(&format!("{cell:<width$}")),
-                    Align::Right => line.push_str(&format!("{cell:>width$}")),
+                    Align::Left => line.extend([cell, space]),
+                    Align::Right => line.extend([space, cell]),
                 }
             }
-            out.line(line.trim_end())?;
+            // The cells are escaped.
+            out.verbatim(format!("{}\n", line.trim_end()).as_bytes())?;
         }
         Ok(())
+    }
+}
+
+/// Style of a status or result, as tables name it.
+fn style(status: &str) -> Option<Style> {
+    match status {
+        "FAILED" => Some(terminal::BAD),
+        "stale" | "missing" | "orphaned" | "not read" | "passed with warnings" => Some(terminal::DOUBTFUL),
+        "baked" | "fresh" | "exact" | "within its bounds" | "contains its source" => Some(terminal::GOOD),
+        _ => None,
     }
 }
 

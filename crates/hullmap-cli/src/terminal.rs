@@ -7,9 +7,12 @@
 //!
 //! A closed standard error is ignored; `eprintln!` would panic.
 
+use std::cell::RefCell;
 use std::fmt::{self, Display, Write as _};
 use std::io::{self, BufWriter, IsTerminal, Write, stderr, stdout};
 
+use anstream::ColorChoice;
+use clap::builder::styling::{AnsiColor, Style};
 use hullmap_pipeline::mesh_file::names::is_escaped;
 use indicatif::ProgressDrawTarget;
 use serde::Serialize;
@@ -63,17 +66,38 @@ impl fmt::Write for Escaping<'_, '_> {
     }
 }
 
+/// Sets whether terminals get colours. Files and pipes get some only if `--color always`, or
+/// `CLICOLOR_FORCE`, says so; `NO_COLOR` and `CLICOLOR=0` remove them.
+pub fn paint(choice: &str) {
+    let choices = [("always", ColorChoice::Always), ("never", ColorChoice::Never)];
+    let choice = choices.into_iter().find(|(name, _)| *name == choice);
+    choice.map_or(ColorChoice::Auto, |(_, choice)| choice).write_global();
+}
+
+pub const BAD: Style = AnsiColor::Red.on_default().bold();
+pub const DOUBTFUL: Style = AnsiColor::Yellow.on_default().bold();
+pub const GOOD: Style = AnsiColor::Green.on_default();
+const REMARK: Style = AnsiColor::Cyan.on_default().bold();
+
 pub struct Output<'a> {
     writer: Box<dyn Write + 'a>,
+    has_color: bool,
 }
 
 impl<'a> Output<'a> {
     pub fn new(writer: impl Write + 'a) -> Self {
-        Self { writer: Box::new(writer) }
+        Self { writer: Box::new(writer), has_color: false }
     }
 
     pub fn standard() -> Output<'static> {
-        Output::new(BufWriter::new(stdout().lock()))
+        // An old console of Windows gets none.
+        let has_color = anstream::stdout().current_choice() == ColorChoice::AlwaysAnsi;
+        Output { has_color, ..Output::new(BufWriter::new(stdout().lock())) }
+    }
+
+    /// The text in a style, if the output has colours.
+    pub fn painted(&self, text: &str, style: Style) -> String {
+        if self.has_color { format!("{style}{text}{style:#}") } else { text.to_owned() }
     }
 
     pub fn line(&mut self, line: impl Display) -> io::Result<()> {
@@ -96,15 +120,36 @@ impl<'a> Output<'a> {
 }
 
 pub fn error(message: impl Display) {
-    say(format_args!("error: {message}"));
+    remark("error", BAD, &message);
 }
 
 pub fn note(message: impl Display) {
-    say(format_args!("note: {message}"));
+    let is_held = HELD.with_borrow_mut(|held| held.as_mut().map(|held| held.push(message.to_string())).is_some());
+    if !is_held {
+        remark("note", REMARK, &message);
+    }
+}
+
+thread_local! {
+    /// Notes that wait for the end of [`with_notes_of_changes`].
+    static HELD: RefCell<Option<Vec<String>>> = const { RefCell::new(None) };
+}
+
+/// Runs work, and prints its notes unless it returns that nothing has changed.
+pub fn with_notes_of_changes<E>(work: impl FnOnce() -> Result<bool, E>) -> Result<bool, E> {
+    HELD.set(Some(Vec::new()));
+    let result = work();
+    let notes = HELD.take().unwrap_or_default();
+    notes.iter().filter(|_| !matches!(result, Ok(false))).for_each(|note| remark("note", REMARK, note));
+    result
 }
 
 pub fn warning(message: impl Display) {
-    say(format_args!("warning: {message}"));
+    remark("warning", DOUBTFUL, &message);
+}
+
+fn remark(kind: &str, style: Style, message: &dyn Display) {
+    let _ = writeln!(anstream::stderr(), "{style}{kind}:{style:#} {}", Escaped(message));
 }
 
 pub fn say(line: impl Display) {

@@ -85,7 +85,7 @@ fn every_asset_bakes_reopens_and_verifies_with_every_index() {
         }
         assert_eq!((seen, built.len()), (expected.len(), expected.len()));
 
-        let reports = bake(["verify", folder, "--source", "assets", "--json", "--seed", "11"]).expect(0).json();
+        let reports = bake(["verify", folder, "--source", "assets", "--json", "--set", "seed=11"]).expect(0).json();
         assert_eq!(reports.len(), expected.len());
         let mut worst: f64 = 0.0;
         for report in &reports {

@@ -82,7 +82,7 @@ fn builds_are_within_every_limit_of_their_engine() {
 #[test]
 fn hulls_that_fit_stay_exact() {
     let folder = meshes();
-    let run = bake(&folder, "build . --out p --for box3d").expect(0);
+    let run = bake(&folder, "build . --out p --for box3d --verbose").expect(0);
     for (name, pack) in packs(&folder) {
         let hull = pack.hull(0).unwrap();
         match name.as_str() {

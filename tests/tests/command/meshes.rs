@@ -55,7 +55,7 @@ fn every_mesh_bakes_verifies_and_agrees_with_the_manifest() {
         assert!(rows.len() >= 3, "{meshes}");
         let built = bake(["build", meshes, "--out", packs, "--json"]).expect(0).json();
         assert_eq!(built.len(), rows.len(), "{meshes}: every file of the manifest, and no other");
-        let verified = bake(["verify", packs, "--source", meshes, "--json", "--seed", "3"]).expect(0).json();
+        let verified = bake(["verify", packs, "--source", meshes, "--json", "--set", "seed=3"]).expect(0).json();
         assert_eq!(verified.len(), rows.len());
         for report in &verified {
             let regret = report["max_regret"].as_f64().unwrap();

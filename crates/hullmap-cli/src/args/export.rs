@@ -57,7 +57,7 @@ pub struct ExportArgs {
     pub up_axis: UpAxis,
     #[command(flatten)]
     pub usd: UsdArgs,
-    /// Replace existing files
+    /// Replace files that bake did not write, or that were edited
     #[arg(long)]
     pub force: bool,
 }

@@ -56,11 +56,16 @@ pub fn with_set(own: Command) -> Command {
 
 /// The command without keys, which are no words of a shell.
 pub fn without_keys(own: &Command) -> Command {
-    Command::new(own.get_name().to_owned())
+    let mut command = Command::new(own.get_name().to_owned())
         .about(own.get_about().cloned().unwrap_or_default())
+        .after_help(own.get_after_help().cloned().unwrap_or_default())
         .disable_help_subcommand(true)
         .args(own.get_arguments().filter(|arg| key_of(arg).is_none()).cloned())
-        .subcommands(own.get_subcommands().map(without_keys))
+        .subcommands(own.get_subcommands().map(without_keys));
+    if let Some(version) = own.get_version() {
+        command = command.version(version.to_owned());
+    }
+    command
 }
 
 /// Options of `bake decompose`, with the options of parts.

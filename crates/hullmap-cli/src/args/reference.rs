@@ -56,7 +56,8 @@ fn block(own: &Command, build: &Command) -> String {
     };
     let is_taken = |key: &str| own.get_name() != "robot" || !DECIDED_BY_ROBOTS.contains(&key);
     let is_shown = |arg: &&Arg| !arg.is_hide_set() || key_of(arg).is_some_and(is_taken);
-    let shown = own.get_arguments().filter(is_shown).filter(|arg| arg.get_id() != "help");
+    let is_of_all = |arg: &Arg| arg.get_id() == "help" || arg.get_id() == "color" && name(own) != "bake build";
+    let shown = own.get_arguments().filter(is_shown).filter(|arg| !is_of_all(arg));
     let (repeated, listed): (Vec<_>, Vec<_>) = shown.partition(|arg| is_repeated(arg));
     // As in the help: arguments without a heading come first, then headings as they appear.
     let mut headings: Vec<_> = listed.iter().map(|arg| arg.get_help_heading()).collect();

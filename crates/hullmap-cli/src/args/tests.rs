@@ -79,6 +79,7 @@ fn wrong_arguments_exit_with_2() {
         "bake query a",
         "bake verify x --directions 0",
         "bake query a b --mode overlap",
+        "bake inspect a --color purple",
     ] {
         assert_eq!(parse(line.split_whitespace()).unwrap_err().exit_code(), 2, "{line}");
     }
@@ -114,6 +115,7 @@ fn natural_guesses_are_answered_with_the_right_name() {
         ("bake build a --out o --concavity=0.1", "tip: use --max-error E"),
         ("bake build a --out o --recenter", "tip: use --set recentre=true"),
         ("bake build a --output o", "tip: use --out"),
+        ("bake verify a --seed 3", "tip: use --set seed=VALUE"),
         ("bake farm key a --parts 4", "tip: use --decompose --max-parts N"),
         ("bake export a --engine unreal", "tip: use --for ENGINE"),
         ("bake build a --out o --decompose true", "--decompose takes its value after `=`: --decompose=true"),
@@ -149,6 +151,20 @@ fn removed_options_name_what_to_use_instead() {
     ] {
         let message = error(&format!("bake build a.obj --out o {words}"));
         assert!(message.contains(instead), "{message}");
+    }
+}
+
+/// Errors in a line are printed in colour, too.
+#[test]
+fn colours_are_known_before_a_line_is_parsed() {
+    for (line, expected) in [
+        ("bake build a", ""),
+        ("bake build a --color never --wrong", "never"),
+        ("bake --color=always nonsense", "always"),
+        ("bake build a --color", ""),
+    ] {
+        let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
+        assert_eq!(color(&words), expected, "{line}");
     }
 }
 
@@ -195,10 +211,11 @@ fn help_fits_a_screen() {
     assert!(commands.len() <= 10, "{}", commands.len());
     let flags = |own: &clap::Command| -> Vec<String> {
         let shown = own.get_arguments().filter(|arg| !arg.is_hide_set());
-        shown.filter_map(|arg| arg.get_long().map(str::to_owned)).collect()
+        let named = shown.filter_map(|arg| arg.get_long().map(str::to_owned));
+        named.filter(|name| name != "help" && name != "version").collect()
     };
     let nested = commands.iter().flat_map(|own| own.get_subcommands());
-    let all: BTreeSet<String> = commands.iter().copied().chain(nested).flat_map(flags).collect();
+    let all: BTreeSet<String> = commands.iter().copied().chain([&root]).chain(nested).flat_map(flags).collect();
     assert!(all.len() <= 60, "{}: {all:?}", all.len());
     let build = root.find_subcommand("build").unwrap();
     assert!(flags(build).len() <= 35);
@@ -238,7 +255,7 @@ fn wrong_arguments_show_the_usage_of_their_subcommand() {
 fn help_has_the_name_under_which_the_command_was_started() {
     let text = |words: &[&str]| parse(words).unwrap_err().to_string();
     for (program, name) in [("bake", "bake"), ("/opt/bin/bake", "bake"), ("hullmap", "hullmap")] {
-        assert!(text(&[program, "--help"]).contains(&format!("Usage: {name} <COMMAND>")));
+        assert!(text(&[program, "--help"]).contains(&format!("Usage: {name} [OPTIONS] <COMMAND>")));
         assert!(text(&[program, "--help"]).contains(&format!("`{name} build FOLDER --out DIR`")));
         assert!(text(&[program, "inspect", "--help"]).contains(&format!("Example:\n  {name} inspect baked")));
         assert!(text(&[program, "inspect"]).contains(&format!("Usage: {name} inspect")));
@@ -247,7 +264,7 @@ fn help_has_the_name_under_which_the_command_was_started() {
         );
     }
     let module = "python -m hullmap";
-    assert!(text(&[module, "--help"]).contains("Usage: python -m hullmap <COMMAND>"));
+    assert!(text(&[module, "--help"]).contains("Usage: python -m hullmap [OPTIONS] <COMMAND>"));
     assert!(!text(&[module, "build", "--help"]).contains("bake build"));
 }
 

@@ -29,7 +29,7 @@ pub struct VerifyArgs {
     #[arg(long, value_name = "N", default_value_t = DEFAULT_DIRECTIONS, value_parser = at_least_one)]
     pub directions: usize,
     /// Seed of the random directions
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(long = "set seed", value_name = "S", default_value_t = 0)]
     pub seed: u64,
     #[command(flatten)]
     pub limits: LimitArgs,

@@ -1,6 +1,6 @@
 //! `bake decompose`: a mesh file becomes a file of convex parts, without a pack.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use hullmap::Pack;
@@ -20,10 +20,11 @@ use hullmap_bake::parts::estimates::DecomposedObject;
 use hullmap_geometry::number::grouped;
 use hullmap_pipeline::baker::{BakedPack, bake_pack};
 use hullmap_pipeline::mesh_file::body::Body;
-use hullmap_pipeline::mesh_file::{glb, obj, place};
+use hullmap_pipeline::mesh_file::place::{self, OutputFile};
+use hullmap_pipeline::mesh_file::{glb, obj};
 use hullmap_pipeline::options::BuildOptions;
 use hullmap_pipeline::outcome::{Exit, Failure, end};
-use hullmap_pipeline::pack_file::{folder_of, make_folder};
+use hullmap_pipeline::pack_file::folder_of;
 use hullmap_pipeline::runner::Observer;
 use hullmap_pipeline::runner::rows::Status;
 use hullmap_pipeline::runner::schedule;
@@ -78,8 +79,8 @@ pub fn run(args: &DecomposeArgs, out: &mut Output) -> Result<Exit, Failure> {
     let opened = Pack::from_bytes(&pack.bytes).map_err(|error| fault(error.to_string()))?;
     let bodies: Vec<Body> = opened.hulls().map(|hull| Body::new(&hull, UpAxis::Keep)).collect();
     let bytes = write(&bodies).map_err(fault)?;
-    make_folder(folder_of(output)).map_err(|error| place::cannot_write(output, &error))?;
-    place::put(output, &bytes, args.force)?;
+    let length = bytes.len();
+    place::update(&[OutputFile { path: output.clone(), bytes }], folder_of(output), args.force)?;
     let meshes = describe(&imported.point_sets, &opened, &bodies, &pack.objects);
     let report = Report {
         source: args.input.display().to_string(),
@@ -87,7 +88,7 @@ pub fn run(args: &DecomposeArgs, out: &mut Output) -> Result<Exit, Failure> {
         parts: bodies.len(),
         vertices: meshes.iter().map(|mesh| mesh.vertices).sum(),
         triangles: meshes.iter().map(|mesh| mesh.triangles).sum(),
-        bytes: bytes.len(),
+        bytes: length,
         millis: (start.elapsed().as_secs_f64() * 1e4).round() / 10.0,
         notes: [imported.notes, pack.notes].concat(),
         warnings: pack.warnings,
@@ -116,9 +117,6 @@ fn writer(output: &Path) -> Result<Write, Failure> {
 
 fn check_output(args: &DecomposeArgs, output: &Path) -> Result<(), Failure> {
     let shown = output.display();
-    if !args.force {
-        return place::check_free(&[PathBuf::from(output)]);
-    }
     if output.is_dir() {
         return Err(Failure::usage(format!("{shown}: is a folder; name the file to write")));
     }
@@ -126,7 +124,7 @@ fn check_output(args: &DecomposeArgs, output: &Path) -> Result<(), Failure> {
     if input.is_some() && input == target {
         return Err(Failure::usage(format!("{shown}: is the mesh itself; name another file")));
     }
-    Ok(())
+    if args.force { Ok(()) } else { place::check_free(output) }
 }
 
 fn with_progress<T: Send>(

@@ -7,6 +7,7 @@ pub mod export;
 pub mod init;
 pub mod inspect;
 pub mod key;
+pub mod man;
 pub mod plan;
 pub mod query;
 pub mod report;

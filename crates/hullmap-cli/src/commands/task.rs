@@ -35,7 +35,7 @@ pub fn run(args: &TaskArgs, out: &mut Output) -> Result<Exit, Failure> {
             exit = Exit::Done;
         }
     }
-    print_messages(&rows, args.run.quiet, false);
+    print_messages(&rows, &args.run, false);
     end(exit, write_rows(&rows, &args.run, false, out))
 }
 

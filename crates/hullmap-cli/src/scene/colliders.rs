@@ -33,6 +33,7 @@ use super::container::GltfFile;
 use super::edit::{Edits, Members, elements, members};
 use hullmap_pipeline::mesh_file::body::{Body, BodyPrimitive};
 use hullmap_pipeline::mesh_file::glb::bounds;
+use hullmap_pipeline::mesh_file::seal::{SEAL, sealed};
 
 const KHR_BODY: &str = "KHR_physics_rigid_bodies";
 const OMI_BODY: &str = "OMI_physics_body";
@@ -108,7 +109,7 @@ pub fn add(file: &GltfFile, colliders: &[Collider], motions: &[Motion], form: &F
     }
     let added = writer.add_buffer(buffer)?;
     let text = writer.finish(form)?;
-    file.with(text, &added)
+    file.with(text, &added).map(sealed)
 }
 
 fn is_in_range(number: f64) -> bool {
@@ -411,6 +412,7 @@ impl<'a> Writer<'a> {
         let names: Vec<String> = names.map(|(name, _)| format!("\"{name}\"")).collect();
         self.append_or_add("extensionsUsed", &names, &mut new_members)?;
         self.add_shapes(&mut new_members)?;
+        self.add_seal()?;
         self.edits.add(self.text, &new_members)?;
         Ok(self.edits.apply())
     }
@@ -425,6 +427,19 @@ impl<'a> Writer<'a> {
             Some(list) => self.edits.append(list.get(), new)?,
             None if new.is_empty() => {}
             None => members.push((name, format!("[{}]", new.join(",")))),
+        }
+        Ok(())
+    }
+
+    /// Appends to the name of the program that made the file.
+    fn add_seal(&mut self) -> Result<(), String> {
+        let Some(asset) = self.root.get("asset") else { return Ok(()) };
+        match members(asset.get())?.get("generator").map(|own| own.get()) {
+            Some(own) if own.len() > 2 && own.ends_with('"') => {
+                self.edits.replace(own, format!("{}, {SEAL}\"", &own[..own.len() - 1]));
+            }
+            Some(own) => self.edits.replace(own, format!("\"{SEAL}\"")),
+            None => self.edits.add(asset.get(), &[("generator", format!("\"{SEAL}\""))])?,
         }
         Ok(())
     }

@@ -42,7 +42,7 @@ impl<'a> GltfFile<'a> {
     }
 
     pub fn empty() -> Self {
-        let text = r#"{"asset":{"version":"2.0","generator":"bake"},"scene":0,"scenes":[{}]}"#;
+        let text = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{}]}"#;
         Self { text: Cow::Borrowed(text), mark: b"", chunks: Some(Chunks { buffer: None, others: Vec::new() }) }
     }
 

@@ -1,7 +1,7 @@
 //! The text of a `hullmap.toml` to defaults and rules.
 
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -14,7 +14,11 @@ use crate::options::value::Syntax;
 use crate::options::{OptionLayer, name};
 use crate::outcome::Failure;
 
-const TABLES: [&str; 3] = ["defaults", "terrain", "rule"];
+const TABLES: [&str; 5] = ["defaults", "terrain", "rule", OUTPUT, SOURCES];
+
+/// Keys of the whole file, above its tables.
+const OUTPUT: &str = "output";
+const SOURCES: &str = "sources";
 
 /// Where an option stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,19 +58,19 @@ pub fn parse(path: &Path, text: &str) -> Result<Config, Failure> {
         let message = format!("invalid TOML: {}", error.message().trim());
         with_line(fault(error.span().unwrap_or(0..0), message))
     })?;
-    let (defaults, rules) = read(root.get_ref(), &line_of).map_err(with_line)?;
-    Ok(Config { path: path.to_owned(), defaults, rules })
+    let mut config = Config { path: path.to_owned(), ..Config::default() };
+    read(root.get_ref(), &line_of, &mut config).map_err(with_line)?;
+    Ok(config)
 }
 
-fn read(root: &DeTable, line_of: &dyn Fn(usize) -> usize) -> Result<(OptionLayer, Vec<Rule>), Fault> {
-    let mut defaults = OptionLayer::default();
-    let mut rules = Vec::new();
+fn read(root: &DeTable, line_of: &dyn Fn(usize) -> usize, config: &mut Config) -> Result<(), Fault> {
+    let Config { defaults, rules, .. } = config;
     for (span, key, value) in in_order(root) {
         match (key, value.get_ref()) {
             ("defaults", DeValue::Table(table)) => {
-                defaults = layer(table, Place::Defaults)?.laid_over(&defaults);
+                *defaults = layer(table, Place::Defaults)?.laid_over(defaults);
             }
-            ("terrain", DeValue::Table(table)) => defaults = defaults.laid_over(&layer(table, Place::Terrain)?),
+            ("terrain", DeValue::Table(table)) => *defaults = defaults.laid_over(&layer(table, Place::Terrain)?),
             ("rule", DeValue::Array(array)) => {
                 for entry in array.iter() {
                     let DeValue::Table(table) = entry.get_ref() else {
@@ -81,6 +85,13 @@ fn read(root: &DeTable, line_of: &dyn Fn(usize) -> usize) -> Result<(OptionLayer
             ("rule", _) => {
                 return Err(fault(span, "`rule` must be a list of tables: write [[rule]], in double brackets"));
             }
+            (OUTPUT, _) => config.output = Some((line_of(span.start), inside(key, value)?)),
+            (SOURCES, DeValue::Array(paths)) => {
+                config.sources = paths.iter().map(|path| inside(key, path)).collect::<Result<_, _>>()?;
+            }
+            (SOURCES, _) => {
+                return Err(fault(value.span(), "`sources` must be a list of paths, as in sources = [\"assets\"]"));
+            }
             (option, _) if named(option).is_some() => {
                 return Err(fault(
                     span,
@@ -90,7 +101,21 @@ fn read(root: &DeTable, line_of: &dyn Fn(usize) -> usize) -> Result<(OptionLayer
             _ => return Err(fault(span, unknown("table", key, &TABLES))),
         }
     }
-    Ok((defaults, rules))
+    Ok(())
+}
+
+/// A path that stays in the folder of the file.
+fn inside(key: &str, value: &Spanned<DeValue>) -> Result<PathBuf, Fault> {
+    let found = value.get_ref();
+    let Some(text) = found.as_str() else {
+        return Err(fault(value.span(), format!("{key}: expected a path, found {}", found.type_str())));
+    };
+    let is_inside = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir);
+    if text.is_empty() || !Path::new(text).components().all(is_inside) {
+        let message = "expected a path in the folder of this file, without `..`; another one is an argument";
+        return Err(fault(value.span(), format!("{key} = \"{text}\": {message}")));
+    }
+    Ok(PathBuf::from(text))
 }
 
 fn rule(span: Range<usize>, table: &DeTable, line_of: &dyn Fn(usize) -> usize) -> Result<Rule, Fault> {
@@ -141,6 +166,9 @@ fn layer(table: &DeTable, place: Place) -> Result<OptionLayer, Fault> {
                 continue;
             }
             return Err(fault(span, format!("`{key}` applies to the meshes of a rule: move it below a [[rule]]")));
+        }
+        if [OUTPUT, SOURCES].contains(&key) {
+            return Err(fault(span, format!("`{key}` applies to the whole file: move it above all tables")));
         }
         let Some(index) = named(key) else {
             let keys_of_rules: &[&str] = if place == Place::Rule { &[FILES, LINKS, SKIP] } else { &[] };
@@ -308,6 +336,14 @@ mod tests {
             ("terrain = true\n", ":1: `terrain` must be a table: write [terrain]"),
             ("[terrain]\nspacing = [2, 0]\n", ":2: spacing = 2,0: expected one or two lengths above 0, or none"),
             ("[terrain]\norigin = 2\n", ":2: origin: expected a list of two numbers or \"none\", found integer"),
+            ("[defaults]\noutput = \"x\"\n", ":2: `output` applies to the whole file: move it above all tables"),
+            ("output = \"\"\n", ":1: output = \"\": expected a path in the folder of this file"),
+            ("output = \"/tmp\"\n", ":1: output = \"/tmp\": expected a path in the folder of this file"),
+            ("\noutput = \"a/../../b\"\n", ":2: output = \"a/../../b\": expected a path in the folder of this file"),
+            ("output = 5\n", ":1: output: expected a path, found integer"),
+            ("sources = \"assets\"\n", ":1: `sources` must be a list of paths"),
+            ("sources = [\"a\",\n\"../b\"]\n", ":2: sources = \"../b\": expected a path in the folder of this file"),
+            ("outputs = \"x\"\n", ":1: unknown table `outputs`; did you mean `output`?"),
             ("[terrain]\nhole_image = \"a/b.png\"\n", ":2: hole_image = \"a/b.png\": expected the name of a file"),
         ] {
             let message = error(text);

@@ -5,10 +5,16 @@ use std::path::{Path, PathBuf};
 
 use crate::glob::Glob;
 use crate::options::OptionLayer;
+use crate::outcome::Failure;
+use crate::pack_file::{folder_of, link_below};
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Config {
     pub path: PathBuf,
+    /// The folder of packs, relative to the folder of the file, and its line.
+    pub(super) output: Option<(usize, PathBuf)>,
+    /// Meshes and folders, relative to the folder of the file; empty for this folder.
+    pub(super) sources: Vec<PathBuf>,
     pub(super) defaults: OptionLayer,
     /// In the file's order: later rules override earlier ones.
     pub(super) rules: Vec<Rule>,
@@ -33,6 +39,30 @@ impl Config {
     pub fn layer(&self, below: Option<&Path>, name: &Path) -> OptionLayer {
         let rules = self.rules.iter().filter(|rule| rule.matches(below, name));
         rules.fold(self.defaults.clone(), |lower, rule| rule.layer.laid_over(&lower))
+    }
+
+    /// The folder of the packs. Fails if a link leads to it, perhaps out of the project.
+    pub fn output(&self) -> Result<Option<PathBuf>, Failure> {
+        let Some((line, output)) = &self.output else { return Ok(None) };
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let found = folder.join(output);
+        match link_below(folder, &found) {
+            None => Ok(Some(found)),
+            Some(link) => Err(Failure::usage(format!(
+                "{}:{line}: output leads through the link {}; replace it by a folder, or name the folder with --out",
+                self.path.display(),
+                link.display()
+            ))),
+        }
+    }
+
+    /// The inputs of a build that names none.
+    pub fn sources(&self) -> Vec<PathBuf> {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        if self.sources.is_empty() {
+            return vec![folder_of(&self.path).to_owned()];
+        }
+        self.sources.iter().map(|source| folder.join(source)).collect()
     }
 
     pub fn skips(&self, below: Option<&Path>, name: &Path) -> bool {

@@ -86,6 +86,11 @@ impl Configs {
         }
     }
 
+    /// The file that applies to the meshes of a folder.
+    pub fn of_folder(&mut self, folder: &Path) -> Result<Option<Arc<Config>>, Failure> {
+        Ok(self.applying(&canonical(folder)?, &folder.join(FILE_NAME))?.0)
+    }
+
     /// The file is the one that applies to the description: meshes may lie in packages elsewhere.
     pub fn of_link(&mut self, description: &Path, link: &str, mesh: &Path) -> Result<Chosen, Failure> {
         let (config, root) = self.applying(&canonical(folder_of(description))?, description)?;
@@ -181,7 +186,8 @@ fn cannot_search(path: &Path, error: &std::io::Error) -> Failure {
 fn shown_above(shown: &Path, steps: usize, canonical: &Path) -> PathBuf {
     let is_plain = !shown.components().any(|part| part == std::path::Component::ParentDir);
     let named = shown.ancestors().nth(steps).filter(|named| is_plain && *named != Path::new(""));
-    let here = steps == shown.components().count() && shown.is_relative() && is_plain && shown != Path::new(".");
+    let depth = shown.components().filter(|part| *part != std::path::Component::CurDir).count();
+    let here = steps == depth && shown.is_relative() && is_plain;
     match named {
         Some(named) => {
             let file = named.join(FILE_NAME);
@@ -282,5 +288,8 @@ mod tests {
         assert_eq!(way("../a", 1), Path::new("/c/hullmap.toml"));
         assert_eq!(way(".", 0), Path::new("hullmap.toml"));
         assert_eq!(way(".", 1), Path::new("/c/hullmap.toml"));
+        // It was shown, and read, as `hullmap.toml`.
+        assert_eq!(way("./a", 2), Path::new("/c/hullmap.toml"));
+        assert_eq!(way("./a", 1), Path::new("hullmap.toml"));
     }
 }

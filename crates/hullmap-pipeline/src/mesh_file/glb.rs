@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 
 use super::body::Body;
 use super::glb_chunks::{self, BIN, JSON};
+use super::seal::{SEAL, sealed};
 
 const POINTS: u32 = 0;
 const LINES: u32 = 1;
@@ -54,7 +55,7 @@ pub fn write(bodies: &[Body]) -> Result<Vec<u8>, String> {
         nodes.push(node);
     }
     let root = json!({
-        "asset": { "version": "2.0", "generator": "bake" },
+        "asset": { "version": "2.0", "generator": SEAL },
         "scene": 0,
         "scenes": [{ "nodes": (0..bodies.len()).collect::<Vec<_>>() }],
         "nodes": nodes,
@@ -63,7 +64,7 @@ pub fn write(bodies: &[Body]) -> Result<Vec<u8>, String> {
         "bufferViews": views,
         "buffers": [{ "byteLength": buffer.len() }],
     });
-    glb_chunks::write(vec![(JSON, root.to_string().into_bytes()), (BIN, buffer)])
+    glb_chunks::write(vec![(JSON, root.to_string().into_bytes()), (BIN, buffer)]).map(sealed)
 }
 
 /// Appends numbers, and returns their offset and length in bytes.

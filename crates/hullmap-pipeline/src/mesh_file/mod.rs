@@ -7,5 +7,6 @@ pub mod glb_chunks;
 pub mod names;
 pub mod obj;
 pub mod place;
+pub mod seal;
 pub mod stl;
 pub mod usda;

@@ -5,13 +5,14 @@ use std::fmt::Write as _;
 
 use super::body::Body;
 use super::names::line;
+use super::seal::{SEAL, sealed};
 
-/// First line of every file, by which `bake robot` recognises its own hulls.
-pub const FIRST_LINE: &str = "# Convex hulls, exported by bake\n";
+/// Start of every file, by which `bake robot` recognises its own hulls.
+pub const START: &str = "# Convex hulls, exported by bake";
 
 /// The file. With `has_groups`, each object is a group too: Unreal makes a mesh of each group.
 pub fn write(bodies: &[Body], has_groups: bool) -> Vec<u8> {
-    [FIRST_LINE.as_bytes(), &objects(bodies, has_groups, 0)].concat()
+    sealed([format!("# Convex hulls, {SEAL}\n").as_bytes(), &objects(bodies, has_groups, 0)].concat())
 }
 
 pub fn objects(bodies: &[Body], has_groups: bool, before: usize) -> Vec<u8> {
@@ -41,7 +42,7 @@ pub fn objects(bodies: &[Body], has_groups: bool, before: usize) -> Vec<u8> {
 
 /// Materials are named by their numbers: the file has no names.
 pub fn write_triangles(body: &Body, materials: &[u16]) -> Vec<u8> {
-    let mut text = format!("# Triangle mesh, exported by bake\no {}\n", line(&body.name));
+    let mut text = format!("# Triangle mesh, {SEAL}\no {}\n", line(&body.name));
     push_vertices(&mut text, &body.positions);
     let mut current = 0;
     for (corners, material) in body.triangles().zip(materials) {
@@ -53,7 +54,7 @@ pub fn write_triangles(body: &Body, materials: &[u16]) -> Vec<u8> {
         }
         push_element(&mut text, "f", corners.into_iter().map(|corner| 1 + u64::from(corner)));
     }
-    text.into_bytes()
+    sealed(text.into_bytes())
 }
 
 /// The file of a mesh that a robot's description contains: its triangles, or its vertices if it has

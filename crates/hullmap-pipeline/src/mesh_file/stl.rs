@@ -6,27 +6,24 @@
 use glam::Vec3;
 
 use super::body::Body;
+use super::seal::{SEAL, sealed};
 
-/// The comment before the triangles, 80 bytes. It must not start with `solid`, as text files do.
-const COMMENT: &[u8] = b"convex hull, exported by bake";
-
-const COMMENT_OF_TRIANGLES: &[u8] = b"triangle mesh, exported by bake";
-
+/// Length of the comment before the triangles. It must not start with `solid`, as text files do.
 const COMMENT_LEN: usize = 80;
 
 /// The file. Fails if it would have more triangles than its header can count.
 pub fn write(body: &Body) -> Result<Vec<u8>, String> {
-    write_with(COMMENT, body)
+    write_with("convex hull", body)
 }
 
 pub fn write_triangles(body: &Body) -> Result<Vec<u8>, String> {
-    write_with(COMMENT_OF_TRIANGLES, body)
+    write_with("triangle mesh", body)
 }
 
-fn write_with(comment: &[u8], body: &Body) -> Result<Vec<u8>, String> {
+fn write_with(contents: &str, body: &Body) -> Result<Vec<u8>, String> {
     let count = body.triangles().count();
     let count = u32::try_from(count).map_err(|_| format!("has {count} triangles, but STL counts to {}", u32::MAX))?;
-    let mut bytes = comment.to_vec();
+    let mut bytes = format!("{contents}, {SEAL}").into_bytes();
     bytes.resize(COMMENT_LEN, b' ');
     bytes.extend(count.to_le_bytes());
     for corners in body.triangles() {
@@ -37,7 +34,7 @@ fn write_with(comment: &[u8], body: &Body) -> Result<Vec<u8>, String> {
         // Attribute.
         bytes.extend([0; 2]);
     }
-    Ok(bytes)
+    Ok(sealed(bytes))
 }
 
 /// Unit normal of a triangle; zero for one without area, as the format allows.

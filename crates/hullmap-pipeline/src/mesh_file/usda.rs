@@ -33,6 +33,7 @@ use hullmap::{Hull, MassProperties, MassSource, Pack};
 use hullmap_import::UpAxis;
 
 use super::body::Body;
+use super::seal::{SEAL, sealed};
 use crate::principal_axes::principal_axes;
 
 /// Maximum number of vertices of a convex hull in PhysX: indices are bytes.
@@ -147,6 +148,7 @@ pub fn write(layer: &UsdLayer<'_>) -> Result<(String, Vec<String>), UsdError> {
         root.descend(&group.parent)?.groups.push(body);
     }
     root.write(&mut text, 0);
+    let text = String::from_utf8_lossy(&sealed(text.into_bytes())).into_owned();
     Ok((text, of_hulls))
 }
 
@@ -160,7 +162,7 @@ fn metadata(layer: &UsdLayer<'_>) -> Result<String, UsdError> {
     if let Some(name) = &layer.default_prim {
         text += &format!("    defaultPrim = {}\n", quoted(name));
     }
-    text += "    doc = \"Collision hulls by hullmap, over the prims of the asset.\"\n";
+    text += &format!("    doc = \"Collision hulls over the prims of the asset, {SEAL}\"\n");
     text += &format!("    kilogramsPerUnit = {}\n    metersPerUnit = {}\n", units[1], units[0]);
     if let Some(asset) = &layer.asset {
         text += &format!("    subLayers = [\n        {}\n    ]\n", asset_path(asset)?);

@@ -102,7 +102,7 @@ pub fn build(
     // Results are printed even if the depfile cannot be written.
     let target = args.depfile_target.as_deref();
     let depfile = args.depfile.as_ref().map_or(Ok(()), |path| write_depfile(path, target, &chosen, folders));
-    print_messages(&rows, args.run.quiet, args.prune);
+    print_messages(&rows, &args.run, args.prune);
     let exit = end(exit, write_rows(&rows, &args.run, args.check, out))?;
     depfile.map(|()| exit)
 }

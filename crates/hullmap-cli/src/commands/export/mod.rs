@@ -6,8 +6,10 @@ mod scene;
 mod surface;
 pub mod usd;
 
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::ffi::OsStr;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use hullmap::{Asset, MassProperties, MassSource, Pack};
@@ -21,11 +23,13 @@ use crate::terminal::{self, Output};
 use hullmap_geometry::number::{grouped, rounded};
 use hullmap_pipeline::mesh_file::body::{Body, DENSITY, Inertial};
 use hullmap_pipeline::mesh_file::names::{self, NAMES_IN_MESSAGE};
-use hullmap_pipeline::mesh_file::{glb, obj, place, stl};
+use hullmap_pipeline::mesh_file::place::{self, OutputFile, State};
+use hullmap_pipeline::mesh_file::seal::{SEAL, sealed};
+use hullmap_pipeline::mesh_file::{glb, obj, stl};
 use hullmap_pipeline::open::{noun, open_asset};
 use hullmap_pipeline::options::BuildOptions;
 use hullmap_pipeline::outcome::{Exit, Failure, end};
-use hullmap_pipeline::pack_file::{folder_of, link_below, make_folder, sweep, sweep_below, through_link};
+use hullmap_pipeline::pack_file::{folder_of, sweep, sweep_below};
 use hullmap_pipeline::packs::{PackPlace, find_packs, is_baked, kind_by_name};
 use hullmap_pipeline::source::{Folders, Recorded, SourceSearch, find_source};
 use hullmap_verify::geometry::rank_name;
@@ -35,6 +39,7 @@ use scene::Added;
 /// The hulls of a pack as JSON. Field names are the JSON's.
 #[derive(Debug, Serialize)]
 struct ExportedPack<'a> {
+    generator: &'a str,
     source: &'a str,
     options: &'a str,
     hulls: &'a [Body],
@@ -54,6 +59,8 @@ struct Export<'a> {
     is_many: bool,
     is_folder: bool,
     folders: Folders,
+    /// Number of files that are as this export would write them.
+    unchanged: Cell<usize>,
 }
 
 /// Fails for wrong flags, or if the only pack cannot be exported. Failures of one of several packs
@@ -66,11 +73,11 @@ pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
     if is_many && args.out.is_none() && format != Format::Json {
         return Err(Failure::usage("several packs are exported; name a folder with --out"));
     }
-    let export = Export { args, format, is_many, is_folder, folders: Folders::default() };
+    let export = Export { args, format, is_many, is_folder, folders: Folders::default(), unchanged: Cell::new(0) };
     if let Some(folder) = args.out.as_deref().filter(|_| is_many) {
         sweep_below(folder);
     }
-    let (mut exit, mut is_nothing) = (Exit::Done, true);
+    let (mut exit, mut is_nothing, mut is_changed, mut left_out) = (Exit::Done, true, false, Vec::new());
     let mut taken: HashMap<String, PathBuf> = HashMap::new();
     for place in find_packs(&args.packs)? {
         // A folder may hold levels, too.
@@ -79,7 +86,7 @@ pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
             && let Some(remedy) = export.unfit(kind)
         {
             let (file, noun) = (place.path.display(), noun(kind));
-            terminal::note(format_args!("{file}: left out, because it is a {noun}; {remedy}"));
+            left_out.push(format!("{file}: left out, because it is a {noun}; {remedy}"));
             continue;
         }
         is_nothing = false;
@@ -93,20 +100,21 @@ pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
                 place.path.display(),
                 target.display()
             ))),
-            _ => export.pack(&place, target.as_deref(), out),
+            _ => terminal::with_notes_of_changes(|| export.pack(&place, target.as_deref(), out)),
         };
         match result {
             Err(failure) if is_many && !failure.message.is_empty() => {
                 terminal::error(&failure);
                 exit = exit.max(failure.exit);
             }
-            other => exit = exit.max(other?),
+            other => is_changed |= other?,
         }
     }
+    left_out.iter().filter(|_| is_changed || is_nothing).for_each(terminal::note);
     if is_nothing {
         return Err(Failure::usage("nothing to export: there are only files without hulls"));
     }
-    Ok(exit)
+    end(exit, write_unchanged(export.unchanged.get(), out).map_err(Failure::from))
 }
 
 impl Export<'_> {
@@ -124,11 +132,12 @@ impl Export<'_> {
         Some(out.join(&place.below).join(name))
     }
 
-    fn pack(&self, place: &PackPlace, target: Option<&Path>, out: &mut Output) -> Result<Exit, Failure> {
+    /// Returns whether something was written.
+    fn pack(&self, place: &PackPlace, target: Option<&Path>, out: &mut Output) -> Result<bool, Failure> {
         let (args, path) = (self.args, place.path.as_path());
         let pack = match open_asset(path)? {
             Asset::Pack(pack) => pack,
-            other => return self.write(&self.surface(path, &other)?, target, out),
+            other => return self.write(self.surface(path, &other)?, target, out),
         };
         let (indices, mut bodies) = selected(args, path, &pack)?;
         leave_out(args, path, self.format, &mut bodies)?;
@@ -150,22 +159,23 @@ impl Export<'_> {
             let mass = self.mass(place, &pack, &indices);
             files(args, path, &pack, self.format, self.is_folder, bodies, mass.as_ref())?
         };
-        self.write(&files, target, out)
+        self.write(files, target, out)
     }
 
-    fn write(&self, files: &[ExportedFile], target: Option<&Path>, out: &mut Output) -> Result<Exit, Failure> {
+    fn write(&self, files: Vec<ExportedFile>, target: Option<&Path>, out: &mut Output) -> Result<bool, Failure> {
         let Some(target) = target else {
             let written = files.iter().try_for_each(|file| out.verbatim(&file.bytes));
-            return end(Exit::Done, written.map_err(Failure::from));
+            return end(Exit::Done, written.map_err(Failure::from)).map(|_| true);
         };
         let targets: Vec<PathBuf> = if self.is_folder {
             files.iter().map(|file| target.join(&file.name)).collect()
         } else {
             vec![target.to_owned()]
         };
-        self.write_all(&targets, files)?;
-        let lines = targets.iter().zip(files).try_for_each(|(target, file)| out.line(summary(target, file)));
-        end(Exit::Done, lines.map_err(Failure::from))
+        let root = if self.is_many { self.args.out.as_deref() } else { None };
+        let [written, unchanged] = put(self.args, targets, files, root, out)?;
+        self.unchanged.set(self.unchanged.get() + unchanged);
+        Ok(written > 0)
     }
 }
 
@@ -460,7 +470,7 @@ fn files(
         _ => None,
     };
     // Last, so that the files that it names exist.
-    files.extend(document.map(|(name, text)| ExportedFile { name, bytes: text.into_bytes(), counts: None }));
+    files.extend(document.map(|(name, text)| ExportedFile { name, bytes: sealed(text.into_bytes()), counts: None }));
     Ok(files)
 }
 
@@ -470,10 +480,11 @@ fn file(args: &ExportArgs, pack: &Pack, format: Format, name: String, bodies: &[
         Format::Glb if args.target.is_some_and(Target::is_physics) => scene::alone(args, bodies.to_vec())?,
         Format::Glb => glb::write(bodies)?,
         Format::Json => {
-            let exported = ExportedPack { source: pack.source_path(), options: pack.options(), hulls: bodies };
+            let exported =
+                ExportedPack { generator: SEAL, source: pack.source_path(), options: pack.options(), hulls: bodies };
             let mut text = terminal::json(&exported).map_err(|error| error.to_string())?;
             text.push(b'\n');
-            text
+            sealed(text)
         }
         Format::Stl => bodies.first().map_or(Ok(Vec::new()), stl::write)?,
         Format::F32 => return Err("has no heights; f32 is for height fields: name another format".to_owned()),
@@ -487,29 +498,41 @@ fn counts(bodies: &[Body]) -> [usize; 3] {
     [bodies.len(), vertices, triangles]
 }
 
-impl Export<'_> {
-    fn write_all(&self, targets: &[PathBuf], files: &[ExportedFile]) -> Result<(), Failure> {
-        if !self.args.force {
-            place::check_free(targets)?;
-        }
-        for (target, file) in targets.iter().zip(files) {
-            let out = self.args.out.as_deref().filter(|_| self.is_many);
-            if let Some(link) = out.and_then(|out| link_below(out, folder_of(target))) {
-                return Err(Failure::usage(through_link(target, &link)));
-            }
-            make_folder(folder_of(target)).map_err(|error| place::cannot_write(target, &error))?;
-            if !self.is_many {
-                sweep_once(target, targets);
-            }
-            place::put(target, &file.bytes, self.args.force)?;
-        }
-        Ok(())
+/// Writes the files that have changed, with a line for each. Returns their number, and the number
+/// of the others.
+/// `root`: the folder of many files, in which no link is followed.
+fn put(
+    args: &ExportArgs,
+    targets: Vec<PathBuf>,
+    files: Vec<ExportedFile>,
+    root: Option<&Path>,
+    out: &mut Output,
+) -> Result<[usize; 2], Failure> {
+    let Some(folder) = targets.first().map(|first| folder_of(first).to_owned()) else { return Ok([0; 2]) };
+    if root.is_none() {
+        sweep(&folder);
     }
+    let lines: Vec<String> = targets.iter().zip(&files).map(|(target, file)| summary(target, file)).collect();
+    // A file that gets its own colliders is an input.
+    let real = |path: &Path| path.canonicalize().ok();
+    let is_input = |target: &PathBuf| args.into.as_deref().is_some_and(|into| real(into) == real(target));
+    if let Some(input) = targets.iter().find(|target| target.exists() && is_input(target) && !args.force) {
+        return Err(place::exists(input));
+    }
+    let outputs: Vec<OutputFile> =
+        targets.into_iter().zip(files).map(|(path, file)| OutputFile { path, bytes: file.bytes }).collect();
+    let states = place::update(&outputs, root.unwrap_or(&folder), args.force)?;
+    let written = lines.iter().zip(&states).filter(|(_, state)| **state != State::Same);
+    end(Exit::Done, written.clone().try_for_each(|(line, _)| out.line(line)).map_err(Failure::from))?;
+    let count = written.count();
+    Ok([count, states.len() - count])
 }
 
-fn sweep_once(target: &Path, targets: &[PathBuf]) {
-    if targets.first().is_some_and(|first| first == target) {
-        sweep(folder_of(target));
+fn write_unchanged(count: usize, out: &mut Output) -> io::Result<()> {
+    match count {
+        0 => Ok(()),
+        1 => out.line("1 file is unchanged"),
+        _ => out.line(format_args!("{} files are unchanged", grouped(count as u64))),
     }
 }
 

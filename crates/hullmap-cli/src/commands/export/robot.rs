@@ -22,6 +22,7 @@ use hullmap_robot::escaped;
 
 use crate::args::export::Target;
 use hullmap_pipeline::mesh_file::body::{BodyPrimitive, Inertial};
+use hullmap_pipeline::mesh_file::seal::SEAL;
 
 #[derive(Clone, Debug)]
 pub enum Geometry {
@@ -65,7 +66,7 @@ pub struct Robot<'a> {
 impl Robot<'_> {
     pub fn mjcf(&self) -> String {
         let (name, prefix) = (escaped(self.name), escaped(self.prefix));
-        let mut text = format!("<mujoco model=\"{name}\">\n  <asset>\n");
+        let mut text = format!("<!-- {SEAL} -->\n<mujoco model=\"{name}\">\n  <asset>\n");
         for (mesh, geometry) in self.colliders {
             let Geometry::Mesh(file) = geometry else { continue };
             let (mesh, file) = (escaped(mesh), escaped(file));
@@ -97,7 +98,8 @@ impl Robot<'_> {
 
     pub fn urdf(&self) -> String {
         let (name, prefix) = (escaped(self.name), escaped(self.prefix));
-        let mut text = format!("<?xml version=\"1.0\"?>\n<robot name=\"{name}\">\n  <link name=\"{name}\">\n");
+        let mut text =
+            format!("<?xml version=\"1.0\"?>\n<!-- {SEAL} -->\n<robot name=\"{name}\">\n  <link name=\"{name}\">\n");
         if let Some(Inertial { mass, center: [x, y, z], inertia: [[xx, xy, xz], [_, yy, yz], [.., zz]] }) =
             self.inertial
         {
@@ -134,8 +136,8 @@ impl Robot<'_> {
         };
         // Capsules came with version 1.8.
         let version = if self.colliders.iter().any(is_capsule) { "1.8" } else { "1.7" };
-        let mut text = format!("<?xml version=\"1.0\"?>\n<sdf version=\"{version}\">\n  <model name=\"{name}\">\n");
-        text += &format!("    <link name=\"{name}\">\n");
+        let mut text = format!("<?xml version=\"1.0\"?>\n<!-- {SEAL} -->\n<sdf version=\"{version}\">\n");
+        text += &format!("  <model name=\"{name}\">\n    <link name=\"{name}\">\n");
         if let Some(Inertial { mass, center: [x, y, z], inertia: [[xx, xy, xz], [_, yy, yz], [.., zz]] }) =
             self.inertial
         {

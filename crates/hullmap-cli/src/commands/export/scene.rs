@@ -24,6 +24,7 @@ use crate::terminal;
 use hullmap_pipeline::mesh_file::body::{Body, DENSITY};
 use hullmap_pipeline::mesh_file::names::{self, NAMES_IN_MESSAGE};
 use hullmap_pipeline::mesh_file::obj;
+use hullmap_pipeline::mesh_file::seal::{SEAL, sealed};
 use hullmap_pipeline::options::BuildOptions;
 use hullmap_pipeline::outcome::Failure;
 use hullmap_pipeline::pack_file::folder_of;
@@ -127,7 +128,7 @@ impl Added<'_> {
             }
         }
         let hulls = obj::objects(&bodies, true, found.vertex_count);
-        Ok([text.trim_end().as_bytes(), b"\n", &hulls].concat())
+        Ok(sealed([text.trim_end().as_bytes(), format!("\n# Hulls, {SEAL}\n").as_bytes(), &hulls].concat()))
     }
 
     fn import_options(&self) -> ImportOptions {

@@ -10,6 +10,7 @@ use hullmap_import::UpAxis;
 use super::{Export, ExportedFile};
 use crate::args::export::Format;
 use hullmap_pipeline::mesh_file::body::{Body, rotated};
+use hullmap_pipeline::mesh_file::seal::{SEAL, sealed};
 use hullmap_pipeline::mesh_file::{glb, obj, stl};
 use hullmap_pipeline::open::noun;
 use hullmap_pipeline::outcome::Failure;
@@ -105,7 +106,7 @@ fn of_field(field: &HeightField, up_axis: UpAxis) -> Body {
 }
 
 fn field_obj(field: &HeightField, body: &Body, up_axis: UpAxis) -> Vec<u8> {
-    let mut text = String::new();
+    let mut text = format!("# Height field, {SEAL}\n");
     for vertex in places(field).filter_map(|(column, row)| field.vertex(column, row)) {
         let [x, y, z] = rotated(vertex.to_array(), up_axis);
         let _ = writeln!(text, "v {x} {y} {z}");
@@ -113,7 +114,7 @@ fn field_obj(field: &HeightField, body: &Body, up_axis: UpAxis) -> Vec<u8> {
     for [a, b, c] in body.triangles() {
         let _ = writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1);
     }
-    text.into_bytes()
+    sealed(text.into_bytes())
 }
 
 /// Little-endian f32, the row with the least y first; NaN where no cell around a vertex has ground.

@@ -9,22 +9,25 @@ use std::path::Path;
 use hullmap::Pack;
 use hullmap_format::header::FileKind;
 
-use super::{DENSITY, ExportedFile, leave_out, selected, summary};
+use super::{DENSITY, ExportedFile, leave_out, put, selected, write_unchanged};
 use crate::args::export::{ExportArgs, Format};
 use crate::args::usd::StageUp;
 use crate::terminal::{self, Output};
 use hullmap_pipeline::mesh_file::names;
-use hullmap_pipeline::mesh_file::place;
 use hullmap_pipeline::mesh_file::usda::{UsdGroup, UsdLayer, UsdMass, identifier, write};
 use hullmap_pipeline::open::{noun, open_pack};
 use hullmap_pipeline::outcome::{Exit, Failure, end};
-use hullmap_pipeline::pack_file::{folder_of, make_folder, sweep};
 use hullmap_pipeline::packs::{PackPlace, find_packs, is_baked, kind_by_name};
 
 const EXTENSION: &str = "usda";
 
 /// All packs become one layer.
 pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
+    terminal::with_notes_of_changes(|| layer(args, out)).map(|_| Exit::Done)
+}
+
+/// Returns whether something was written.
+fn layer(args: &ExportArgs, out: &mut Output) -> Result<bool, Failure> {
     let parent = check_flags(args)?;
     let mut places = find_packs(&args.packs)?;
     places.retain(|place| {
@@ -56,15 +59,10 @@ pub fn run(args: &ExportArgs, out: &mut Output) -> Result<Exit, Failure> {
     }
     let file = ExportedFile { name: String::new(), bytes: text.into_bytes(), counts: Some(counts) };
     let Some(target) = &args.out else {
-        return end(Exit::Done, out.verbatim(&file.bytes).map_err(Failure::from));
+        return end(Exit::Done, out.verbatim(&file.bytes).map_err(Failure::from)).map(|_| true);
     };
-    if !args.force {
-        place::check_free(std::slice::from_ref(target))?;
-    }
-    make_folder(folder_of(target)).map_err(|error| place::cannot_write(target, &error))?;
-    sweep(folder_of(target));
-    place::put(target, &file.bytes, args.force)?;
-    end(Exit::Done, out.line(summary(target, &file)).map_err(Failure::from))
+    let [written, unchanged] = put(args, vec![target.clone()], vec![file], None, out)?;
+    end(Exit::Done, write_unchanged(unchanged, out).map_err(Failure::from)).map(|_| written > 0)
 }
 
 /// Checks what clap cannot express, and returns the prim below which the meshes are.

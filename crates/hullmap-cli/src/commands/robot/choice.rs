@@ -240,7 +240,7 @@ fn name(stem: &str, taken: &mut BTreeSet<String>) -> String {
 
 /// Whether bake wrote a mesh: hulls are not baked again, so that a second run changes nothing.
 fn is_own(file: &Path) -> bool {
-    starts_with(file, obj::FIRST_LINE)
+    starts_with(file, obj::START)
 }
 
 fn set(layer: &mut OptionLayer, key: &str, value: Value) {

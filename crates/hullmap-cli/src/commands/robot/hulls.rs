@@ -8,10 +8,9 @@ use hullmap_import::UpAxis;
 use hullmap_robot::Submesh;
 
 use super::choice::HullsOf;
-use super::files::Output;
 use super::meshes::Meshes;
 use hullmap_pipeline::jobs::Job;
-use hullmap_pipeline::mesh_file::{body::Body, obj};
+use hullmap_pipeline::mesh_file::{body::Body, obj, place::OutputFile};
 use hullmap_pipeline::open::open_pack;
 use hullmap_pipeline::outcome::Failure;
 use hullmap_verify::geometry::positions;
@@ -19,7 +18,7 @@ use hullmap_verify::geometry::positions;
 pub struct Hulls {
     pub file: PathBuf,
     pub pack: Arc<Pack>,
-    pub files: Vec<Output>,
+    pub files: Vec<OutputFile>,
     pub vertices: usize,
     pub is_parts: bool,
     /// Bound on the protrusion of the parts, in units of the mesh.
@@ -77,7 +76,7 @@ pub fn read_hulls(jobs: &[Job], own: &HullsOf, meshes: &mut Meshes) -> Result<Hu
         vertices += hull.vertex_count();
         let path = job.output.with_file_name(format!("{name}.obj"));
         let body = Body { name, ..Body::new(&hull, UpAxis::Keep) };
-        files.push(Output { path, bytes: obj::write(&[body], false) });
+        files.push(OutputFile { path, bytes: obj::write(&[body], false) });
     }
     Ok(Hulls { file: job.output.clone(), pack, files, vertices, is_parts, protrusion, uncovered, fault, mass })
 }

@@ -4,13 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use hullmap_robot::{Description, Geometry, Unresolved};
 
-use super::files::Output;
 use super::target::Target;
 use hullmap_pipeline::mesh_file::names::token;
 use hullmap_pipeline::mesh_file::obj;
+use hullmap_pipeline::mesh_file::place::OutputFile;
 
 /// Afterwards, each mesh of the description leads to its file.
-pub fn extract(description: &mut Description, target: &Target) -> Vec<Output> {
+pub fn extract(description: &mut Description, target: &Target) -> Vec<OutputFile> {
     let (mut known, mut taken) = (BTreeMap::new(), BTreeSet::new());
     let mut outputs = Vec::new();
     let shapes = description.links.iter_mut().flat_map(|link| link.collisions.iter_mut().chain(&mut link.visuals));
@@ -23,7 +23,7 @@ pub fn extract(description: &mut Description, target: &Target) -> Vec<Output> {
             let free =
                 std::iter::once(format!("{stem}_inline.obj")).chain(numbered).find(|name| taken.insert(name.clone()));
             let path = target.meshes.join(free.unwrap_or_default());
-            outputs.push(Output {
+            outputs.push(OutputFile {
                 path: path.clone(),
                 bytes: obj::write_inline(&own.name, &own.vertices, &own.triangles),
             });

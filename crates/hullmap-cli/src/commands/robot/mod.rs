@@ -39,10 +39,10 @@ use crate::interrupt;
 use crate::rows::run_jobs;
 use crate::terminal::Output;
 use choice::{Choice, Choices, Chooser};
-use files::State;
 use hullmap_pipeline::baker::bake_pack;
 use hullmap_pipeline::config::Configs;
 use hullmap_pipeline::jobs::Job;
+use hullmap_pipeline::mesh_file::place::{OutputFile, State};
 use hullmap_pipeline::options::flag;
 use hullmap_pipeline::outcome::{Exit, Failure, end};
 use hullmap_pipeline::pack_file::{folder_of, plain, shown_from, sweep};
@@ -60,7 +60,7 @@ struct Robot {
     description: Description,
     target: Target,
     choices: Choices,
-    inline: Vec<files::Output>,
+    inline: Vec<OutputFile>,
     /// Names of packages that lead to no file from the output.
     unreachable: Vec<String>,
     /// Index of its first job among the jobs of all descriptions.
@@ -231,7 +231,7 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
         row.notes.extend(own.notes.iter().map(|note| format!("{}: {note}", shown(Path::new(&own.source)))));
         row.warnings.extend(own.warnings.iter().map(|warning| format!("{}: {warning}", shown(Path::new(&own.source)))));
     }
-    let states: Vec<State> = inline.iter().map(files::Output::state).collect::<Result<_, _>>()?;
+    let states: Vec<State> = inline.iter().map(OutputFile::state).collect::<Result<_, _>>()?;
     if let Some((own, _)) = inline.iter().zip(states).find(|(_, state)| *state != State::Same) {
         row.status = if target.file.exists() { Status::Stale } else { Status::Missing };
         row.reason = Some(format!("{} is not the mesh in the description", shown(&own.path)));
@@ -286,7 +286,7 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
     check_inputs(args, &description, &outputs)?;
     let exit = settle(args, &target, &outputs, row)?;
     if let Some((file, page)) = args.report.as_ref().zip(page) {
-        files::Output { path: file.clone(), bytes: page.into_bytes() }.write_if_changed()?;
+        OutputFile { path: file.clone(), bytes: page.into_bytes() }.write_if_changed()?;
     }
     let unused = files::left_over(&target.meshes, &used(&description, &outputs));
     if !unused.is_empty() && description.mesh_folder(&target.folder).is_none() {
@@ -347,14 +347,13 @@ fn exclude(
     target: &Target,
     pairs: &Pairs,
     row: &mut Row,
-) -> Result<Option<files::Output>, Failure> {
+) -> Result<Option<OutputFile>, Failure> {
     row.excluded_pairs = Some(pairs.excluded.iter().map(|pair| ExcludedPair::new(pair, description)).collect());
     row.notes.push(format!("{} pairs of links are excluded. {}", pairs.excluded.len(), pairs.in_words()));
     if description.format != Format::Urdf {
         return Ok(None);
     }
-    let output =
-        files::Output { path: target.file.with_extension("srdf"), bytes: pairs.srdf(description).into_bytes() };
+    let output = OutputFile { path: target.file.with_extension("srdf"), bytes: pairs.srdf(description).into_bytes() };
     if !args.force && output.path.exists() && !files::starts_with(&output.path, SRDF_FIRST_LINE) {
         let message = "exists, and was not written by bake: copy its other elements elsewhere, or pass --force";
         return Err(Failure::usage(format!("{}: {message}", shown(&output.path))));
@@ -381,7 +380,7 @@ fn unreachable(description: &Description, target: &Target, choices: &Choices, pl
     lost.map(|(name, _)| name.to_owned()).collect()
 }
 
-fn used(description: &Description, outputs: &[files::Output]) -> BTreeSet<PathBuf> {
+fn used(description: &Description, outputs: &[OutputFile]) -> BTreeSet<PathBuf> {
     let meshes = description.links.iter().flat_map(Link::meshes);
     let meshes = meshes.filter_map(|mesh| mesh.file.as_ref().ok()?.canonicalize().ok());
     meshes.chain(outputs.iter().map(|output| output.path.clone())).collect()
@@ -440,7 +439,7 @@ fn changes(
                     row.collisions.push(collision);
                     continue;
                 }
-                let name = |file: &files::Output| description.mesh_name(&file.path, &target.folder);
+                let name = |file: &OutputFile| description.mesh_name(&file.path, &target.folder);
                 let meshes: Vec<String> =
                     own_hulls.files.iter().map(name).collect::<Result<_, _>>().map_err(|error| failure(&error))?;
                 let stretch = match &shape.geometry {
@@ -494,7 +493,7 @@ fn inertias(description: &Description, choices: &Choices, hulls: &[Hulls], row: 
     changes
 }
 
-fn copies(description: &Description, target: &Target, documents: &[Vec<u8>]) -> Result<Vec<files::Output>, Failure> {
+fn copies(description: &Description, target: &Target, documents: &[Vec<u8>]) -> Result<Vec<OutputFile>, Failure> {
     if !target.is_elsewhere() {
         return Ok(Vec::new());
     }
@@ -509,7 +508,7 @@ fn copies(description: &Description, target: &Target, documents: &[Vec<u8>]) -> 
         let is_searched = written.is_ascii() && texts.iter().all(|text| matches!(text, Cow::Borrowed(_)));
         !is_searched || texts.iter().any(|text| text.contains(written) || text.contains(&escaped(written)))
     };
-    let mut outputs: BTreeMap<PathBuf, files::Output> = BTreeMap::new();
+    let mut outputs: BTreeMap<PathBuf, OutputFile> = BTreeMap::new();
     for reference in &description.references {
         let path = plain(&target.folder.join(&reference.path));
         if outputs.contains_key(&path) || is_document(&reference.file) || !is_named(&reference.written) {
@@ -518,17 +517,13 @@ fn copies(description: &Description, target: &Target, documents: &[Vec<u8>]) -> 
         let bytes = std::fs::read(&reference.file).map_err(|error| {
             Failure::usage(format!("{}: cannot read: {error}; check the file", reference.file.display()))
         })?;
-        outputs.insert(path.clone(), files::Output { path, bytes });
+        outputs.insert(path.clone(), OutputFile { path, bytes });
     }
     Ok(outputs.into_values().collect())
 }
 
 /// The edited files: the files that the description includes, then the description itself.
-fn described(
-    description: &Description,
-    target: &Target,
-    documents: Vec<Vec<u8>>,
-) -> Result<Vec<files::Output>, Failure> {
+fn described(description: &Description, target: &Target, documents: Vec<Vec<u8>>) -> Result<Vec<OutputFile>, Failure> {
     let mut outputs = Vec::new();
     for (index, (document, bytes)) in description.documents.iter().zip(documents).enumerate().rev() {
         let path = if index == 0 {
@@ -540,7 +535,7 @@ fn described(
             })?;
             plain(&target.folder.join(below))
         };
-        outputs.push(files::Output { path, bytes });
+        outputs.push(OutputFile { path, bytes });
     }
     Ok(outputs)
 }
@@ -554,7 +549,7 @@ fn would_be_replaced(input: &Path) -> Failure {
     Failure::usage(format!("{}: {message}", input.display()))
 }
 
-fn check_inputs(args: &RobotArgs, description: &Description, outputs: &[files::Output]) -> Result<(), Failure> {
+fn check_inputs(args: &RobotArgs, description: &Description, outputs: &[OutputFile]) -> Result<(), Failure> {
     if args.force {
         return Ok(());
     }
@@ -568,9 +563,9 @@ fn check_inputs(args: &RobotArgs, description: &Description, outputs: &[files::O
     Ok(())
 }
 
-fn settle(args: &RobotArgs, target: &Target, outputs: &[files::Output], row: &mut Row) -> Result<Exit, Failure> {
-    let states: Vec<State> = outputs.iter().map(files::Output::state).collect::<Result<_, _>>()?;
-    let changed: Vec<&files::Output> =
+fn settle(args: &RobotArgs, target: &Target, outputs: &[OutputFile], row: &mut Row) -> Result<Exit, Failure> {
+    let states: Vec<State> = outputs.iter().map(OutputFile::state).collect::<Result<_, _>>()?;
+    let changed: Vec<&OutputFile> =
         outputs.iter().zip(&states).filter(|(_, state)| **state != State::Same).map(|(own, _)| own).collect();
     let Some(first) = changed.first() else {
         row.status = Status::Fresh;
