@@ -16,7 +16,7 @@ use std::path::Path;
 use std::fmt::Write as _;
 use std::time::Duration;
 
-use hullmap_outside::clock::thread_time;
+use hullmap_testkit::clock::thread_time;
 
 use super::super::*;
 use super::limits::soup;
