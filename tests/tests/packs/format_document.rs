@@ -115,7 +115,7 @@ fn hashes(bytes: &[u8], file: &File, source: &SourceRecord) {
     assert_eq!(of(56), XxHash3_64::oneshot(&[&bytes[..56], &bytes[64..]].concat()), "in one piece");
 }
 
-/// What was baked is read back.
+/// The facts of a hull are read back as they were baked.
 fn facts(theirs: &hullmap::Hull, baked: &BakedHull) {
     let hull = &baked.hull;
     assert_eq!((theirs.name(), theirs.rank(), theirs.diameter()), (&*baked.name, hull.rank, hull.diameter));
