@@ -5,7 +5,7 @@
 
 Each FOLDER holds OBJ files with one object for each part, for instance of `bake decompose` and of
 decompose.py. Only names that all folders have are used. The scene is the same as in `parts-table`
-of tests/scenes: bodies 1 m long, rotated at random, in layers above a pit; a step takes 1/120 s.
+of crates/hullmap-parry/tests/scenes: bodies 1 m long, rotated at random, in layers above a pit; a step takes 1/120 s.
 First one body of two known boxes has the right mass, and the right depth in the floor.
 """
 

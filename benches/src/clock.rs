@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use hullmap_outside::clock::thread_time;
+use hullmap_testkit::clock::thread_time;
 
 /// Number of readings by which the time of a reading is measured.
 const READINGS: usize = 1001;

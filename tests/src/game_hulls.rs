@@ -2,7 +2,7 @@
 //!
 //! Little-endian: a u32 count and that many points of three f32, repeated to the end of the file.
 
-use hullmap_outside::files;
+use hullmap_testkit::files;
 
 /// The variable that names the file.
 pub const VARIABLE: &str = "HULLMAP_HULLS";

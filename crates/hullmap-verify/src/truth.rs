@@ -62,6 +62,11 @@ impl Points {
         tasks.map_init(Vec::new, greatest).collect()
     }
 
+    /// The maximum dot product with one finite direction.
+    pub fn greatest_dot(&self, dir: [f64; 3]) -> f64 {
+        self.greatest(dir, &mut Vec::new())
+    }
+
     fn greatest(&self, dir: [f64; 3], bounds: &mut Vec<f64>) -> f64 {
         let corner = |axis: usize| {
             if dir[axis] >= 0.0 { &self.high[axis] } else { &self.low[axis] }

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use hullmap_outside::files::workspace;
+use hullmap_testkit::files::workspace;
 
 /// Every Rust file of the workspace, relative to it. Panics if a folder cannot be read.
 pub fn sources() -> Vec<PathBuf> {

@@ -1,8 +1,12 @@
 //! The oracle of all tests: depth, distance, time and ray by one brute force each, exact where it
-//! decides; packs baked in process; random poses.
+//! decides; packs baked in process; random poses. With the feature `processes`, what tests use
+//! outside of their own process.
 //!
 //! | module | contents |
 //! |---|---|
+//! | [`clock`] | processor time |
+//! | [`command`] | the `bake` command, built and run; cargo |
+//! | [`files`] | the workspace's folder, files in a folder, inputs named by environment variables |
 //! | [`compiled`] | the solver, compiled once for all tests |
 //! | [`packs`] | point sets, baked packs, valid checksums for damaged files |
 //! | [`random`] | directions, rotations and poses, seeded |
@@ -27,16 +31,36 @@
 
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "processes")]
+pub mod clock;
+#[cfg(feature = "processes")]
+pub mod command;
+#[cfg(feature = "processes")]
+pub mod files;
+
+#[cfg(feature = "truths")]
 pub mod compiled;
+#[cfg(feature = "truths")]
 pub mod depth;
+#[cfg(feature = "truths")]
 pub mod dyadic;
+#[cfg(feature = "truths")]
 pub mod entry;
+#[cfg(feature = "truths")]
 pub mod exact_depth;
+#[cfg(feature = "truths")]
 pub mod faceless;
+#[cfg(feature = "truths")]
 pub mod gap;
+#[cfg(feature = "truths")]
 pub mod packs;
+#[cfg(feature = "truths")]
 pub mod polytope;
+#[cfg(feature = "truths")]
 pub mod random;
+#[cfg(feature = "truths")]
 pub mod ray;
+#[cfg(feature = "truths")]
 pub mod reach;
+#[cfg(feature = "truths")]
 pub mod triangles;

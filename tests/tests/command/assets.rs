@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, fs, path::Path};
 
 use hullmap::{IndexKind, Pack};
 use hullmap_bake::index::SCAN_UP_TO;
-use hullmap_outside::{command::bake, files::workspace};
+use hullmap_testkit::{command::bake, files::workspace};
 
 /// Each asset's rank, hull vertices, and volume where it is known from the shape.
 fn expected() -> BTreeMap<&'static str, (u32, usize, Option<f64>)> {

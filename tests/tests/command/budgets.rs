@@ -4,7 +4,7 @@
 use std::fs;
 
 use hullmap::{Hull, Pack};
-use hullmap_outside::command::bake_line as bake;
+use hullmap_testkit::command::bake_line as bake;
 use shapes::families::Family;
 use shapes::mesh::Mesh;
 use shapes::obj;

@@ -7,8 +7,8 @@ use std::ffi::OsString;
 use std::fs;
 use std::process::Command;
 
-use hullmap_outside::command::{Run, binary, finished};
-use hullmap_outside::files::workspace;
+use hullmap_testkit::command::{Run, binary, finished};
+use hullmap_testkit::files::workspace;
 use regex::Regex;
 use serde_json::Value;
 use snapbox::{Assert, Data, RedactedValue, Redactions, assert::DEFAULT_ACTION_ENV};

@@ -4,7 +4,7 @@
 
 use std::{collections::BTreeSet, fs};
 
-use hullmap_outside::{command::bake_in, files::workspace};
+use hullmap_testkit::{command::bake_in, files::workspace};
 use serde_json::Value;
 
 const CUBE: &str =

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use hullmap::{Hull, Pack};
 use hullmap_bake::{IndexKind, PointSet, SourceRecord};
-use hullmap_outside::command::{Run, bake_in, bake_line as bake};
-use hullmap_outside::files::workspace;
+use hullmap_testkit::command::{Run, bake_in, bake_line as bake};
+use hullmap_testkit::files::workspace;
 use hullmap_testkit::packs::{self, point_set};
 use shapes::families::Family;
 use tempfile::TempDir;

@@ -7,8 +7,8 @@ use std::{
     sync::atomic::{AtomicBool, Ordering::Relaxed},
 };
 
-use hullmap_outside::command::{bake_in, bake_line, binary};
-use hullmap_outside::files::folder;
+use hullmap_testkit::command::{bake_in, bake_line, binary};
+use hullmap_testkit::files::folder;
 use hullmap_tests::faults::{
     calls,
     inject::{Errno, Fault, Injector},

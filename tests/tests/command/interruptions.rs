@@ -10,8 +10,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-use hullmap_outside::command::{bake_in, binary, command};
-use hullmap_outside::files::write;
+use hullmap_testkit::command::{bake_in, binary, command};
+use hullmap_testkit::files::write;
 use shapes::families::Family;
 use tempfile::TempDir;
 

@@ -12,7 +12,7 @@ use std::{
 };
 
 use hullmap::{Hull, Pack};
-use hullmap_outside::{command::bake, files};
+use hullmap_testkit::{command::bake, files};
 
 /// Columns of the manifest that the tests read.
 const COLUMNS: [&str; 6] =

@@ -9,7 +9,7 @@ use hullmap_bake::{
     BakedHull, IndexKind, NO_SOURCE_VERTEX, PointSet, SolidKind, SourceRecord, bake_hull, fit::fits, write_pack,
 };
 use hullmap_format::{archive::ArchivedHullRecord, header::source_hash, version::EXTENDED_FORMAT_VERSION};
-use hullmap_outside::command::bake_line as bake;
+use hullmap_testkit::command::bake_line as bake;
 use hullmap_testkit::packs::{self, Further};
 use hullmap_tests::hostile::patch::{archive, changed, payload};
 use shapes::{concave, families::Family, obj, rng::SplitMix64};

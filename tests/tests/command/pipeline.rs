@@ -5,8 +5,8 @@ use std::fs;
 use std::process::Command;
 use std::time::Duration;
 
-use hullmap_outside::command::binary;
-use hullmap_outside::files::{folder, write};
+use hullmap_testkit::command::binary;
+use hullmap_testkit::files::{folder, write};
 
 const CUBE: &str =
     "o cube\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\nf 1 2 4 3\nf 5 6 8 7\n";

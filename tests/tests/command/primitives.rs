@@ -5,7 +5,7 @@ use std::fs;
 
 use glam::{DQuat, DVec3};
 use hullmap::Pack;
-use hullmap_outside::command::bake_line as bake;
+use hullmap_testkit::command::bake_line as bake;
 use hullmap_testkit::packs::{Further, with_record};
 use shapes::{mesh::Mesh, obj::text, rng::SplitMix64, solids::lathe};
 

@@ -12,7 +12,7 @@ use std::{
     sync::OnceLock,
 };
 
-use hullmap_outside::{
+use hullmap_testkit::{
     command::{Run, bake_in},
     files::workspace,
 };

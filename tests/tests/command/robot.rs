@@ -2,10 +2,10 @@
 
 use std::fs;
 
-use hullmap_outside::command::bake_line as run;
-use hullmap_outside::files::workspace;
 use hullmap_planning::{Packs, Robot, Skipped};
 use hullmap_robot::Places;
+use hullmap_testkit::command::bake_line as run;
+use hullmap_testkit::files::workspace;
 use serde_json::{Value, json};
 
 /// A folder with a copy of the robots, as a project.

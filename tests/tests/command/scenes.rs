@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use hullmap::Pack;
-use hullmap_outside::command::{Run, bake_line as bake};
+use hullmap_testkit::command::{Run, bake_line as bake};
 use serde_json::Value;
 use shapes::gltf::{self, Parts};
 use shapes::mesh::Mesh;

@@ -13,7 +13,7 @@ use hullmap_format::{
     header::{FileKind, HEADER_LEN, Header},
     triangle_mesh::sections::Sections,
 };
-use hullmap_outside::command::bake_line as run;
+use hullmap_testkit::command::bake_line as run;
 use shapes::rng::SplitMix64;
 use tempfile::TempDir;
 

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_format::header::{HEADER_LEN, Header, source_hash};
-use hullmap_outside::command::{bake_in, bake_line as bake};
-use hullmap_outside::files::{folder, workspace};
+use hullmap_testkit::command::{bake_in, bake_line as bake};
+use hullmap_testkit::files::{folder, workspace};
 use hullmap_testkit::packs::{self, point_set};
 
 const CUBE: &str = "o cube\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";

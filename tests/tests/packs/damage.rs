@@ -5,8 +5,8 @@
 //! 2. With a corrected checksum, it represents a malicious file. It is rejected, or it opens and
 //!    answers all queries, even if its values are wrong.
 //!
-//! The tests try a random sample; `cargo run --release -p hullmap-programs --bin hostile-packs`
-//! tries all. The checksum is computed independently, as the documentation describes it.
+//! The tests try a random sample; the program `hostile-packs` tries all. The checksum is computed
+//! independently, as the documentation describes it.
 
 use hullmap::{IndexKind, Pack};
 use hullmap_testkit::packs::reseal;

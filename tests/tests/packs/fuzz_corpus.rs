@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use hullmap_outside::files::workspace;
+use hullmap_testkit::files::workspace;
 use hullmap_tests::fuzzed::{
     TARGETS, Target,
     corpus::{self, Input},

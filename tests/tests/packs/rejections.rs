@@ -20,7 +20,7 @@ use hullmap_format::{
     version::{EXTENDED_FORMAT_VERSION, LEAN_EXTENDED_FORMAT_VERSION},
     walk::Cost,
 };
-use hullmap_outside::files::workspace;
+use hullmap_testkit::files::workspace;
 use hullmap_testkit::packs::{self, Further, point_set, reseal};
 use hullmap_tests::hostile::{
     patch::{archive, changed, offset_of, open_with, payload},

@@ -117,33 +117,3 @@ fn a_ball_is_left_by_less_than_twice_the_best_known() {
         assert!(error * max_vertices as f64 <= 2.0 * 2.42, "{max_vertices}: {error}");
     }
 }
-
-/// Prints the table of `docs/contributors/decisions/0003-simplified-hulls.md`. If `HULLMAP_MESHES`
-/// names a folder, its OBJ files are added.
-#[test]
-#[ignore = "prints a table"]
-#[expect(clippy::disallowed_methods, reason = "a measurement by hand; no library code reads the environment")]
-fn table() {
-    let mut sets: Vec<(String, Vec<[f32; 3]>)> =
-        Family::ALL.iter().map(|family| (family.name().to_owned(), family.points(5_000, 1))).collect();
-    let folder = std::env::var_os("HULLMAP_MESHES").and_then(|folder| std::fs::read_dir(folder).ok());
-    let mut paths: Vec<_> = folder.into_iter().flatten().flatten().map(|entry| entry.path()).collect();
-    paths.sort();
-    for path in paths.iter().filter(|path| path.extension().is_some_and(|extension| extension == "obj")) {
-        let text = std::fs::read_to_string(path).unwrap();
-        let point = |line: &str| line.split_whitespace().take(3).map(|c| c.parse().unwrap()).collect::<Vec<f32>>();
-        let points =
-            text.lines().filter_map(|line| line.strip_prefix("v ")).map(|line| point(line)[..3].try_into().unwrap());
-        sets.push((path.file_stem().unwrap().to_string_lossy().into_owned(), points.collect()));
-    }
-    for (name, points) in sets {
-        let hull = build(points);
-        let mut line = format!("| {name} | {} |", hull.vertices.len());
-        let start = std::time::Instant::now();
-        for max_vertices in [16, 32, 64, 128, 256] {
-            let found = simplify(&hull, Limit::Vertices(max_vertices)).unwrap();
-            line += &found.map_or(" exact |".into(), |found| format!(" {:.2e} |", found.outer_error / hull.diameter));
-        }
-        println!("{line} {:.2} s", start.elapsed().as_secs_f64());
-    }
-}

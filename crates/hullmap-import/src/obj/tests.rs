@@ -1,14 +1,10 @@
 //! The import of OBJ files against two twins: the parser of this crate, and tobj's own reading of
 //! the whole file.
 
-use std::time::Instant;
-
 use shapes::rng::SplitMix64;
 
 use super::*;
-use crate::obj::scan::scan;
 use crate::obj::vertex_line::VertexLine;
-use crate::{ImportOptions, SourceFile};
 
 const SEED: u64 = 29;
 
@@ -225,54 +221,4 @@ fn doubles_round_to_the_singles() {
         }
     }
     assert!(point_count > 2000, "{point_count}");
-}
-
-/// A million vertices and two million triangles; each corner has a texture coordinate and a normal.
-fn sphere() -> String {
-    const RINGS: usize = 1000;
-    let mut text = String::with_capacity(160 << 20);
-    for ring in 0..RINGS {
-        let (sin, cos) = libm::sincos(std::f64::consts::PI * (ring as f64 + 0.5) / RINGS as f64);
-        for step in 0..RINGS {
-            let (y, x) = libm::sincos(std::f64::consts::TAU * step as f64 / RINGS as f64);
-            text += &format!("v {:.6} {:.6} {cos:.6}\n", sin * x, sin * y);
-        }
-    }
-    for ring in 0..RINGS - 1 {
-        for step in 0..RINGS {
-            let [a, b] = [step, (step + 1) % RINGS].map(|step| ring * RINGS + step + 1);
-            let [c, d] = [a + RINGS, b + RINGS];
-            text += &format!("f {a}/{a}/{a} {c}/{c}/{c} {b}/{b}/{b}\nf {b}/{b}/{b} {c}/{c}/{c} {d}/{d}/{d}\n");
-        }
-    }
-    text
-}
-
-#[test]
-#[ignore = "prints times: cargo test --release -p hullmap-import times_of_a_million -- --ignored --nocapture"]
-fn times_of_a_million_vertices() {
-    let text = sphere();
-    println!("{} bytes, {} threads", text.len(), rayon::current_num_threads());
-    for _ in 0..3 {
-        let start = Instant::now();
-        let parts = Parts::new(text.as_bytes(), PART_BYTES).unwrap();
-        let counted = start.elapsed();
-        let scan = scan(&parts, &Limits::DEFAULT, |_| Ok(())).unwrap();
-        let scanned = start.elapsed();
-        let positions = positions::singles(&parts).unwrap();
-        let read = start.elapsed();
-        assert_eq!((positions.len(), scan.faces.len()), (1_000_000, 1_998_000));
-        drop((scan, positions));
-        let source = SourceFile::alone(text.clone().into_bytes());
-        let path = std::path::Path::new("a.obj");
-        let start = Instant::now();
-        crate::import("a.obj", "a", path, &source, &ImportOptions::DEFAULT, &Limits::DEFAULT).unwrap();
-        let whole = start.elapsed();
-        println!(
-            "count {counted:.2?}, scan {:.2?}, tobj {:.2?}, the rest {:.2?}; import {whole:.2?}",
-            scanned - counted,
-            read - scanned,
-            whole.saturating_sub(read)
-        );
-    }
 }

@@ -11,9 +11,31 @@ mod physics;
 
 use std::path::Path;
 
+use shapes::{mesh::Mesh, solids};
+
 use super::fault::Fault;
 use super::*;
 use crate::options::Split;
+
+/// A prism, moved so that no coordinate is an integer.
+fn prism(sides: usize) -> Mesh {
+    let mut mesh = solids::extrusion(&solids::regular_polygon(sides, 1.0), -0.3, 0.7);
+    mesh.vertices.iter_mut().for_each(|v| *v = [v[0] + 0.1, v[1] - 7.3, v[2] * 1.7]);
+    mesh
+}
+
+/// Triangles by position, each from its lowest corner, sorted: independent of vertex indices.
+fn outline(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[[u32; 3]; 3]> {
+    let from_lowest = |triangle: &[u32; 3]| {
+        let mut at = triangle.map(|corner| points[corner as usize].map(|x| (x + 0.0).to_bits()));
+        let lowest = (0..3).min_by_key(|&corner| at[corner]).unwrap();
+        at.rotate_left(lowest);
+        at
+    };
+    let mut all: Vec<_> = triangles.iter().map(from_lowest).collect();
+    all.sort_unstable();
+    all
+}
 
 const WHOLE: ImportOptions =
     ImportOptions { split: Split::None, vertices: Vertices::Referenced, ..ImportOptions::DEFAULT };
@@ -54,7 +76,7 @@ fn square_with(lines: &str) -> String {
     format!("{SQUARE}{lines}")
 }
 
-fn outline(imported: &Imported) -> Vec<(&str, &[u32])> {
+fn sets_of(imported: &Imported) -> Vec<(&str, &[u32])> {
     imported.point_sets.iter().map(|set| (set.name.as_str(), set.source_vertices.as_slice())).collect()
 }
 
@@ -254,7 +276,7 @@ const TWO: &str =
 #[test]
 fn objects_become_point_sets() {
     let imported = import(TWO, OBJECTS);
-    assert_eq!(outline(&imported), [("left", &[0, 1, 2][..]), ("right", &[2, 4, 5][..])]);
+    assert_eq!(sets_of(&imported), [("left", &[0, 1, 2][..]), ("right", &[2, 4, 5][..])]);
     assert_eq!(imported.point_sets[1].positions, [[1.0, 0.0, 0.0], [5.0, 0.0, 0.0], [5.0, 1.0, 0.0]]);
     assert_eq!(imported.unreferenced_count, 1);
     assert!(imported.notes.iter().any(|note| note.contains("skipped: 1 (empty)")), "{:?}", imported.notes);
@@ -263,10 +285,10 @@ fn objects_become_point_sets() {
 
 #[test]
 fn unreferenced_vertices_belong_to_the_object_that_declares_them() {
-    assert_eq!(outline(&import(TWO, OBJECTS_ALL)), [("left", &[0, 1, 2, 3][..]), ("right", &[2, 4, 5][..])]);
+    assert_eq!(sets_of(&import(TWO, OBJECTS_ALL)), [("left", &[0, 1, 2, 3][..]), ("right", &[2, 4, 5][..])]);
     let cloud = "v 0 0 0\no a\nv 1 0 0\no b\nv 2 0 0\n";
     for options in [OBJECTS, OBJECTS_ALL] {
-        assert_eq!(outline(&import(cloud, options)), [("shape", &[0][..]), ("a", &[1][..]), ("b", &[2][..])]);
+        assert_eq!(sets_of(&import(cloud, options)), [("shape", &[0][..]), ("a", &[1][..]), ("b", &[2][..])]);
     }
 }
 
@@ -284,7 +306,7 @@ fn object_names() {
 #[test]
 fn groups_are_not_objects() {
     let imported = import(square_with("g one\nf 1 2 3\ng two\nf 1 3 4\n"), OBJECTS);
-    assert_eq!(outline(&imported), [("shape", &[0, 1, 2, 3][..])]);
+    assert_eq!(sets_of(&imported), [("shape", &[0, 1, 2, 3][..])]);
     assert!(imported.notes.iter().any(|note| note.contains("groups")), "{:?}", imported.notes);
 }
 

@@ -240,34 +240,6 @@ mod tests {
         assert_near(pack.hull(0).unwrap().inertia_tensor() * 7.5, expected, 1e-12);
     }
 
-    /// The tensor of a turned box is R I Rᵀ; it has products of inertia, whose signs this test
-    /// checks.
-    #[test]
-    fn a_turned_box_has_the_turned_tensor() {
-        let turn = DMat3::from_quat(glam::DQuat::from_array([0.3, -0.2, 0.5, 0.7]).normalize());
-        let half = DVec3::new(1.0, 3.0, 0.25);
-        let corner = |i: usize| DVec3::from_array(std::array::from_fn(|k| if i >> k & 1 == 0 { -1.0 } else { 1.0 }));
-        let pack = pack((0..8).map(|i| (turn * (corner(i) * half)).as_vec3().to_array()).collect());
-        let [x, y, z] = (half * 2.0).to_array().map(|edge| edge * edge);
-        let own = DMat3::from_diagonal(DVec3::new(y + z, z + x, x + y) * (6.0 / 12.0));
-        let expected = turn * own * turn.transpose();
-        assert!(expected.x_axis.y.abs() > 0.1 && expected.y_axis.z.abs() > 0.1);
-        // The corners were rounded to f32.
-        assert_near(pack.hull(0).unwrap().inertia_tensor(), expected, 1e-6);
-    }
-
-    /// 2/5 m r² for a ball; a hull of points on the sphere approaches it from below.
-    #[test]
-    fn a_sphere_of_many_points_is_nearly_a_ball() {
-        let pack = pack(families::sphere(8000, 1));
-        let hull = pack.hull(0).unwrap();
-        let radius = f64::from(hull.vertex(0).unwrap().length());
-        let properties = hull.mass_properties(2.0);
-        let mass = 2.0 * 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
-        assert!((0.995..1.0).contains(&(properties.mass / mass)), "{}", properties.mass / mass);
-        assert_near(properties.inertia, DMat3::from_diagonal(DVec3::splat(0.4 * mass * radius * radius)), 0.01);
-    }
-
     /// The slow twin: tetrahedra from the origin over the faces' triangles, each integrated
     /// exactly.
     #[test]

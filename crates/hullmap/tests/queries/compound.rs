@@ -537,3 +537,22 @@ fn a_ball_that_grazes_a_part_meets_it_before_the_part_behind() {
     assert!(found.hit && found.status == Status::Stalled, "{found:?}");
     assert!((found.t - 4.0).abs() < 0.5 && found.t_upper > 6.4, "{found:?}");
 }
+
+/// Boxes are their own bounding boxes, so a gap of a few ulps could mislead a stage.
+#[test]
+fn one_ulp_gap_between_boxes() {
+    let cube: Vec<[f32; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|bit| bit as f32)).collect();
+    let pack = packs::tree_pack(&cube);
+    let hull = pack.hull(0).unwrap();
+    for turn in [DQuat::IDENTITY, DQuat::from_rotation_z(0.3), DQuat::from_xyzw(0.1, 0.7, -0.2, 0.5).normalize()] {
+        let way = turn * DVec3::Y;
+        let low = SupportMap::support_point(&hull, turn.inverse() * -way).point;
+        for ulps in -40..40 {
+            let on = way * (1.0 + f64::from(ulps) * f64::EPSILON) - turn * low + DVec3::new(0.2, 0.0, 0.3);
+            let pose = Pose::new(on, turn).unwrap();
+            let full = hullmap::intersects(&hull, &hull, pose, &mut Cache::new());
+            let found = hullmap::intersects(&pack, &pack, pose, &mut Cache::with_pairs(1));
+            assert_eq!(found.is_hit(), full.is_hit(), "{ulps}: {found:?} {full:?}");
+        }
+    }
+}

@@ -2,7 +2,6 @@
 //! the solver is compiled once.
 
 mod any_shape;
-mod cascade;
 mod clear;
 mod compound;
 mod defaults;

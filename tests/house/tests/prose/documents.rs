@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use hullmap_outside::files::workspace;
+use hullmap_testkit::files::workspace;
 
 use crate::readme::documents;
 

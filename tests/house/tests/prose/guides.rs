@@ -4,7 +4,7 @@
 
 use std::{collections::BTreeMap, fs};
 
-use hullmap_outside::files::workspace;
+use hullmap_testkit::files::workspace;
 
 /// Lines of a guide.
 const LIMIT: usize = 60;

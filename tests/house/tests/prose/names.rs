@@ -3,7 +3,7 @@
 use std::{collections::BTreeSet, fs, path::Path};
 
 use hullmap_house::tracked;
-use hullmap_outside::files::workspace;
+use hullmap_testkit::files::workspace;
 
 /// Documents outside of `docs`. All documents in `docs` are checked, except the guides, which name
 /// files of their readers.

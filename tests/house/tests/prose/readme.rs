@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use hullmap_house::tracked;
-use hullmap_outside::{command::bake_in, files::workspace};
+use hullmap_testkit::{command::bake_in, files::workspace};
 
 fn read(path: &str) -> String {
     std::fs::read_to_string(workspace().join(path)).expect(path)

@@ -4,7 +4,7 @@
 use std::fs;
 
 use hullmap_house::tracked;
-use hullmap_outside::files::workspace;
+use hullmap_testkit::files::workspace;
 
 const MAX_LINES: usize = 80;
 

@@ -6,8 +6,8 @@ use std::fs;
 use std::path::Path;
 use std::sync::LazyLock;
 
-use hullmap_outside::command::cargo;
-use hullmap_outside::files::workspace;
+use hullmap_testkit::command::cargo;
+use hullmap_testkit::files::workspace;
 use serde_json::Value;
 
 fn packages() -> &'static [Value] {

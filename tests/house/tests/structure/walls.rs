@@ -7,7 +7,7 @@ use std::{
 };
 
 use hullmap_house::sources;
-use hullmap_outside::{command::cargo, files::workspace};
+use hullmap_testkit::{command::cargo, files::workspace};
 
 /// All packages that the runtime with all its features brings into an engine, except macros that
 /// run in the compiler.

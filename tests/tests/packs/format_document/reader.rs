@@ -1,45 +1,36 @@
-//! A reader of `.hullmap` files, written from `docs/contributors/FORMAT.md` without code of the
-//! project. It is simple, not fast.
+//! The root and the look-up of `.hullmap` files, written from `docs/contributors/FORMAT.md` without
+//! code of the project. Records are read by their types, whose layout is the document's.
 //!
 //! Numbers in comments are sections of the document. The reader panics on damaged files, which
 //! fails the test.
 
 use std::ops::Range;
 
-/// Sections in the order of the root's entries (4): name, bytes per element, alignment. Also their
-/// indices by their names.
-macro_rules! sections {
-    ($count:literal; $($index:literal $constant:ident $name:literal $size:literal $align:literal,)+) => {
-        pub const SECTIONS: [(&str, usize, usize); $count] = [$(($name, $size, $align)),+];
+use hullmap_format::archive::{ArchivedBlock, ArchivedHullRecord, ArchivedSpan};
+use hullmap_format::sections::Sections;
 
-        /// Indices of the sections in [`SECTIONS`].
-        pub mod section {
-            $(pub const $constant: usize = $index;)+
-        }
-    };
-}
-
-sections! { 19;
-    0 BLOCKS "blocks" 128 64,
-    1 SOURCE_PATH "source_path" 1 1,
-    2 OPTIONS "options" 1 1,
-    3 NAMES "names" 1 1,
-    4 SPANS "spans" 44 4,
-    5 HULLS "hulls" 288 8,
-    6 MASSES "masses" 80 8,
-    7 NODES "nodes" 32 4,
-    8 VERTICES "vertices" 12 4,
-    9 SOURCE_VERTICES "source_vertices" 4 4,
-    10 FACE_STARTS "face_starts" 4 4,
-    11 FACE_VERTICES "face_vertices" 4 4,
-    12 QUADS "quads" 24 4,
-    13 NEIGHBOUR_STARTS "neighbour_starts" 4 4,
-    14 NEIGHBOURS "neighbours" 4 4,
-    15 NEIGHBOUR_FACES "neighbour_faces" 4 4,
-    16 OUTER_VERTICES "outer_vertices" 12 4,
-    17 SLOTS "slots" 4 4,
-    18 EDGES "edges" 2 2,
-}
+/// Sections in the order of the root's entries (4): name, bytes per element, alignment.
+pub const SECTIONS: [(&str, usize, usize); 19] = [
+    ("blocks", 128, 64),
+    ("source_path", 1, 1),
+    ("options", 1, 1),
+    ("names", 1, 1),
+    ("spans", 44, 4),
+    ("hulls", 288, 8),
+    ("masses", 80, 8),
+    ("nodes", 32, 4),
+    ("vertices", 12, 4),
+    ("source_vertices", 4, 4),
+    ("face_starts", 4, 4),
+    ("face_vertices", 4, 4),
+    ("quads", 24, 4),
+    ("neighbour_starts", 4, 4),
+    ("neighbours", 4, 4),
+    ("neighbour_faces", 4, 4),
+    ("outer_vertices", 12, 4),
+    ("slots", 4, 4),
+    ("edges", 2, 2),
+];
 
 const HEADER: usize = 64;
 pub const ROOT: usize = 152;
@@ -47,123 +38,9 @@ pub const ROOT: usize = 152;
 /// Further sections, as in [`SECTIONS`] (15). Their entries are in front of the root.
 const FURTHER: [(&str, usize, usize); 2] = [("voids", 12, 4), ("primitives", 96, 8)];
 
-/// Something that is stored in a number of bytes.
-pub trait Stored: Sized {
-    const SIZE: usize;
-
-    fn at(bytes: &[u8], at: usize) -> Self;
-
-    /// Elements without gaps.
-    fn all(bytes: &[u8]) -> Vec<Self> {
-        bytes.chunks(Self::SIZE).map(|bytes| Self::at(bytes, 0)).collect()
-    }
-}
-
-macro_rules! numbers {
-    ($($number:ty)+) => {
-        $(impl Stored for $number {
-            const SIZE: usize = size_of::<$number>();
-
-            fn at(bytes: &[u8], at: usize) -> Self {
-                Self::from_le_bytes(bytes[at..at + Self::SIZE].try_into().unwrap())
-            }
-        })+
-    };
-}
-
-numbers! { i16 i32 u32 u64 f32 f64 }
-
-impl<T: Stored, const N: usize> Stored for [T; N] {
-    const SIZE: usize = N * T::SIZE;
-
-    fn at(bytes: &[u8], at: usize) -> Self {
-        std::array::from_fn(|i| T::at(bytes, at + i * T::SIZE))
-    }
-}
-
-/// Records: their bytes, and fields at their offsets.
-macro_rules! records {
-    ($($section:literal $name:ident $size:literal { $($at:literal $field:ident: $kind:ty,)+ })+) => {
-        $(#[doc = $section]
-        #[derive(Debug, PartialEq)]
-        pub struct $name {
-            $(pub $field: $kind,)+
-        }
-
-        impl Stored for $name {
-            const SIZE: usize = $size;
-
-            fn at(bytes: &[u8], at: usize) -> Self {
-                Self { $($field: <$kind>::at(bytes, at + $at),)+ }
-            }
-        })+
-    };
-}
-
-records! {
-    "6.2" Record 288 {
-        0 diameter: f64,
-        8 centroid: [f64; 3],
-        32 interior_point: [f64; 3],
-        56 inner_radius: f64,
-        64 outer_radius: f64,
-        72 volume: f64,
-        80 surface_area: f64,
-        88 second_moments: [f64; 6],
-        136 containment_error: f64,
-        144 outer_error: f64,
-        152 uncovered: f64,
-        160 protrusion: f64,
-        168 protrusion_at: [f64; 3],
-        192 origin: [f64; 3],
-        216 bounds_min: [f32; 3],
-        228 bounds_max: [f32; 3],
-        240 rank: u32,
-        244 index_kind: u32,
-        248 resolution: u32,
-        252 leaf_blocks: u32,
-        256 max_neighbours: u32,
-        260 max_nodes: u32,
-        264 max_dots: u32,
-        268 source_points: u32,
-        272 leaf: u32,
-        276 part: u32,
-        280 part_count: u32,
-        284 solid: u32,
-    }
-    "6.3" Block 128 {
-        0 position: [[f32; 8]; 3],
-        96 vertex: [u32; 8],
-    }
-    "6.4" BoxNode 32 {
-        0 bounds_min: [f32; 3],
-        12 target: u32,
-        16 bounds_max: [f32; 3],
-        28 hull_count: u32,
-    }
-    "6.5" Quad 24 {
-        0 face: u32,
-        4 corners: [u32; 4],
-        20 fall: f32,
-    }
-    "6.6" Mass 80 {
-        0 volume: f64,
-        8 centroid: [f64; 3],
-        32 second_moments: [f64; 6],
-    }
-    "15" Voids 12 {
-        0 hull: u32,
-        4 share: f32,
-        8 error: f32,
-    }
-    "15" Primitive 96 {
-        0 hull: u32,
-        4 kind: u32,
-        8 center: [f64; 3],
-        32 rotation: [f64; 4],
-        64 sizes: [f64; 3],
-        88 protrusion: f64,
-    }
+/// The number in these bytes (1): little-endian.
+pub fn number(bytes: &[u8], at: usize, size: usize) -> u64 {
+    bytes[at..at + size].iter().rev().fold(0, |sum, byte| sum << 8 | u64::from(*byte))
 }
 
 /// A whole file.
@@ -175,23 +52,13 @@ pub struct File<'a> {
     pub further: Vec<Range<usize>>,
 }
 
-/// The runs of one hull.
+/// The direction index of one hull.
 pub struct Hull<'a> {
-    pub name: &'a [u8],
-    pub record: Record,
-    pub vertices: Vec<[f32; 3]>,
-    pub source_vertices: Vec<u32>,
-    pub face_starts: Vec<u32>,
-    pub face_vertices: Vec<u32>,
-    pub quads: Vec<Quad>,
-    pub neighbour_starts: Vec<u32>,
-    pub neighbours: Vec<u32>,
-    pub neighbour_faces: Vec<u32>,
-    pub outer_vertices: Vec<[f32; 3]>,
+    pub record: &'a ArchivedHullRecord,
     pub slots: Vec<u32>,
-    pub edges: Vec<i16>,
-    pub blocks: Vec<Block>,
-    pub masses: Vec<Mass>,
+    pub blocks: &'a [ArchivedBlock],
+    /// 5: the stored edges of each vertex, in its neighbours' order; empty if no edges are stored.
+    pub edges: Vec<Vec<[i16; 3]>>,
 }
 
 /// The blocks to which a direction leads.
@@ -208,15 +75,15 @@ impl<'a> File<'a> {
     /// 3 and 4: header, except for the hashes, and positions of the sections.
     pub fn new(bytes: &'a [u8]) -> Self {
         assert_eq!(&bytes[..8], b"hullmap\n");
-        let version = u32::at(bytes, 8);
+        let version = number(bytes, 8, 4);
         assert!(version == 7 || version == 9, "format version {version}");
-        assert_eq!(u32::at(bytes, 12), 64, "header length");
-        assert_eq!(u64::at(bytes, 16), bytes.len() as u64 - 64, "payload length");
-        assert_eq!(u64::at(bytes, 48), 0, "reserved");
+        assert_eq!(number(bytes, 12, 4), 64, "header length");
+        assert_eq!(number(bytes, 16, 8), bytes.len() as u64 - 64, "payload length");
+        assert_eq!(number(bytes, 48, 8), 0, "reserved");
         let root = bytes.len() - ROOT;
         let range = |entry: usize, size: usize| {
-            let start = entry.checked_add_signed(i32::at(bytes, entry) as isize).unwrap();
-            start..start + u32::at(bytes, entry + 4) as usize * size
+            let start = entry.checked_add_signed(number(bytes, entry, 4) as i32 as isize).unwrap();
+            start..start + number(bytes, entry + 4, 4) as usize * size
         };
         let sections = std::array::from_fn(|index| range(root + 8 * index, SECTIONS[index].1));
         let first = root - 8 * FURTHER.len();
@@ -225,22 +92,9 @@ impl<'a> File<'a> {
         Self { bytes, sections, further }
     }
 
-    /// The records of voids (15).
-    pub fn voids(&self) -> Vec<Voids> {
-        self.further.first().map_or(Vec::new(), |range| Stored::all(&self.bytes[range.clone()]))
-    }
-
-    /// The records of primitives (15).
-    pub fn primitives(&self) -> Vec<Primitive> {
-        self.further.get(1).map_or(Vec::new(), |range| Stored::all(&self.bytes[range.clone()]))
-    }
-
-    pub fn section(&self, index: usize) -> &'a [u8] {
+    pub fn section(&self, name: &str) -> &'a [u8] {
+        let index = SECTIONS.iter().position(|(own, ..)| *own == name).expect(name);
         &self.bytes[self.sections[index].clone()]
-    }
-
-    pub fn count(&self, index: usize) -> usize {
-        self.sections[index].len() / SECTIONS[index].1
     }
 
     /// Asserts that each section starts at the first multiple of its alignment after the section
@@ -262,50 +116,6 @@ impl<'a> File<'a> {
         }
         padding
     }
-
-    /// The eleven numbers of span `hull` (6.1).
-    pub fn span(&self, hull: usize) -> [usize; 11] {
-        <[u32; 11]>::at(self.section(section::SPANS), 44 * hull).map(|number| number as usize)
-    }
-
-    fn run(&self, section: usize, start: usize, end: usize) -> &'a [u8] {
-        let size = SECTIONS[section].1;
-        &self.section(section)[start * size..end * size]
-    }
-
-    /// The BVH (6.4).
-    pub fn nodes(&self) -> Vec<BoxNode> {
-        Stored::all(self.section(section::NODES))
-    }
-
-    /// One hull, by its spans.
-    pub fn hull(&self, hull: usize) -> Hull<'a> {
-        let (start, end) = (self.span(hull), self.span(hull + 1));
-        let run = |section: usize, field: usize| self.run(section, start[field], end[field]);
-        Hull {
-            name: run(section::NAMES, 0),
-            record: Record::at(self.section(section::HULLS), Record::SIZE * hull),
-            vertices: Stored::all(run(section::VERTICES, 1)),
-            source_vertices: Stored::all(run(section::SOURCE_VERTICES, 1)),
-            face_starts: Stored::all(run(section::FACE_STARTS, 2)),
-            face_vertices: Stored::all(run(section::FACE_VERTICES, 3)),
-            quads: Stored::all(run(section::QUADS, 9)),
-            neighbour_starts: Stored::all(run(section::NEIGHBOUR_STARTS, 1)),
-            neighbours: Stored::all(run(section::NEIGHBOURS, 4)),
-            neighbour_faces: Stored::all(run(section::NEIGHBOUR_FACES, 4)),
-            outer_vertices: Stored::all(run(section::OUTER_VERTICES, 7)),
-            slots: Stored::all(run(section::SLOTS, 5)),
-            edges: Stored::all(run(section::EDGES, 8)),
-            blocks: Stored::all(run(section::BLOCKS, 6)),
-            masses: Stored::all(run(section::MASSES, 10)),
-        }
-    }
-}
-
-/// The runs of `all` that start at `starts`. Each ends where the next one starts.
-fn parts<'a>(starts: &[u32], all: &'a [u32]) -> Vec<&'a [u32]> {
-    let ends = starts.iter().skip(1).copied().chain([all.len() as u32]);
-    starts.iter().zip(ends).map(|(start, end)| &all[*start as usize..end as usize]).collect()
 }
 
 /// 7.1: the direction, scaled to a largest coordinate of 1 if f32 cannot represent it well.
@@ -374,15 +184,43 @@ fn shift(g: u32, bits: u32) -> (u32, u32) {
     (g >> (23 - bits), g << bits & 0x7f_ffff)
 }
 
-impl Hull<'_> {
+impl<'a> Hull<'a> {
+    /// A hull by its spans (6.1).
+    pub fn new(pack: &Sections<'a>, hull: usize) -> Self {
+        let [start, end] = [&pack.spans[hull], &pack.spans[hull + 1]];
+        let run = |number: fn(&ArchivedSpan) -> u32| number(start) as usize..number(end) as usize;
+        let slots = pack.slots[run(|span| span.slot.to_native())].iter().map(|word| word.to_native()).collect();
+        let edges = &pack.edges[run(|span| span.edge.to_native())];
+        let starts = &pack.neighbour_starts[run(|span| span.vertex.to_native())];
+        let all = run(|span| span.neighbour.to_native()).len();
+        let ends = starts.iter().skip(1).map(|start| start.to_native() as usize).chain([all]);
+        let of = |(start, end): (usize, usize)| {
+            let edge = |i: usize| -> [i16; 3] {
+                std::array::from_fn(|axis| edges[3 * start + axis * (end - start) + i].to_native())
+            };
+            (0..end - start).map(edge).collect()
+        };
+        let runs = starts.iter().map(|start| start.to_native() as usize).zip(ends);
+        Self {
+            record: &pack.hulls[hull],
+            slots,
+            blocks: &pack.blocks[run(|span| span.block.to_native())],
+            edges: if edges.is_empty() { Vec::new() } else { runs.map(of).collect() },
+        }
+    }
+
+    fn kind(&self) -> u32 {
+        self.record.index_kind.to_native()
+    }
+
     /// 7.3: the leaf of a direction in range.
     pub fn leaf(&self, d: [f64; 3]) -> Leaf {
-        if self.record.index_kind == 0 {
+        if self.kind() == 0 {
             return Leaf { blocks: 0..self.blocks.len(), nodes: 0, kinds: 0 };
         }
         let (face, [mut u, mut v]) = locate(d.map(|c| c as f32));
-        let root = if self.record.index_kind == 1 {
-            let r = u64::from(self.record.resolution);
+        let root = if self.kind() == 1 {
+            let r = u64::from(self.record.resolution.to_native());
             let [column, row] = [u, v].map(|g| (u64::from(g) * r) >> 23);
             ((u64::from(face) * r + row) * r + column) as usize
         } else {
@@ -392,7 +230,7 @@ impl Hull<'_> {
         loop {
             let rest = slot & 0x3fff_ffff;
             match slot >> 30 {
-                0 if self.record.index_kind == 2 => {
+                0 if self.kind() == 2 => {
                     kinds |= 1;
                     let (half, left) = shift(u, 1);
                     (u, v) = (v, left);
@@ -408,7 +246,11 @@ impl Hull<'_> {
                 }
                 1 => {
                     let first = rest as usize;
-                    return Leaf { blocks: first..first + self.record.leaf_blocks as usize, nodes, kinds: kinds | 4 };
+                    return Leaf {
+                        blocks: first..first + self.record.leaf_blocks.to_native() as usize,
+                        nodes,
+                        kinds: kinds | 4,
+                    };
                 }
                 2 if rest & 3 == 2 => {
                     kinds |= 32;
@@ -441,46 +283,22 @@ impl Hull<'_> {
     pub fn support(&self, d: [f64; 3]) -> u32 {
         let d = in_range(d);
         let blocks = &self.blocks[self.leaf(d).blocks];
-        let mut found = blocks[0].vertex[0];
+        let mut found = blocks[0].vertex[0].to_native();
         let mut greatest = f64::NEG_INFINITY;
         for block in blocks {
             for lane in 0..8 {
-                let height = dot(block.position.map(|p| f64::from(p[lane])), d);
+                let height = dot([&block.x, &block.y, &block.z].map(|c| f64::from(c[lane].to_native())), d);
                 if height > greatest {
-                    (greatest, found) = (height, block.vertex[lane]);
+                    (greatest, found) = (height, block.vertex[lane].to_native());
                 }
             }
         }
         found
     }
 
-    pub fn faces(&self) -> Vec<&[u32]> {
-        parts(&self.face_starts, &self.face_vertices)
-    }
-
-    /// The neighbours of each vertex.
-    pub fn neighbours(&self) -> Vec<&[u32]> {
-        parts(&self.neighbour_starts, &self.neighbours)
-    }
-
-    /// 5: the stored edges of each vertex, in its neighbours' order; empty if no edges are stored.
-    pub fn edges(&self) -> Vec<Vec<[i16; 3]>> {
-        let counts = self.neighbours().into_iter().map(|list| list.len());
-        let runs = self.neighbour_starts.iter().zip(counts).map(|(start, count)| (3 * *start as usize, count));
-        let of = |(at, count): (usize, usize)| {
-            (0..count).map(|i| std::array::from_fn(|axis| self.edges[at + axis * count + i])).collect()
-        };
-        if self.edges.is_empty() { Vec::new() } else { runs.map(of).collect() }
-    }
-
     /// 7.7: whether these edges certify that the vertex where they start is the support vertex.
     pub fn is_certain(edges: &[[i16; 3]], d: [f32; 3]) -> bool {
         let least = -0.52 * (d[0].abs() + d[1].abs() + d[2].abs());
         edges.iter().map(|q| q.map(f32::from)).all(|q| q[0] * d[0] + q[1] * d[1] + q[2] * d[2] < least)
-    }
-
-    /// The faces to the left of each vertex's edges, in its neighbours' order.
-    pub fn faces_beside(&self) -> Vec<&[u32]> {
-        parts(&self.neighbour_starts, &self.neighbour_faces)
     }
 }

@@ -10,7 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use hullmap_house::tracked;
-use hullmap_outside::files::workspace;
+use hullmap_testkit::files::workspace;
 
 use graph::{Graph, Sources};
 
