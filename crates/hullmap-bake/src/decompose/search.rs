@@ -1,11 +1,11 @@
 //! The search for parts: within an error, or at most a number of them with the least error.
 //!
 //! # Steps
-//! 1. If the mesh has a mirror plane, search the parts of the surface on one side, and add their
-//!    images. Merge parts at the plane with their images where the limit allows.
-//! 2. Where a part and its image meet at the plane unmerged, cuts elsewhere may need fewer parts.
-//!    Then also search the whole surface, unless there is a deadline. Its parts win if they are
-//!    fewer.
+//! 1. If the mesh has a mirror plane, or two, search the parts of the surface on one side, and add
+//!    their images. Merge parts at the plane with their images where the limit allows.
+//! 2. Where that fails, search the whole surface. Cuts across the plane may need a few parts fewer,
+//!    but equal features would become unequal parts. For a number of parts, the whole surface is
+//!    searched, too, unless there is a deadline, since such parts may be an odd number.
 //! 3. For a number of parts, start with the parts within the error. Raise the limit until there are
 //!    few enough, or lower it as long as there are; then halve the interval. Divide parts further
 //!    if more are allowed. So the result is never worse than parts of that number within the error.
@@ -61,7 +61,7 @@ pub struct Found {
 
 impl Found {
     pub fn count(&self) -> usize {
-        self.parts.whole.len() + 2 * self.parts.mirrored.len()
+        self.parts.count()
     }
 
     /// The greatest bound; infinite if something is not proven.
@@ -93,28 +93,24 @@ pub struct Search<'a> {
 impl<'a> Search<'a> {
     pub fn hulls(&mut self) -> Option<Vec<Hull>> {
         let error = self.parameters.max_error.resolve(self.diagonal());
-        let half = symmetry::mirror_of_mesh(self.mesh, self.field.solid());
+        let mirrors = symmetry::mirrors_of_mesh(self.mesh, self.field.solid());
         let surface = || Surface::new(self.mesh, self.field.solid());
-        let half = half.map(|mirror| surface().halved(mirror, self.diagonal()));
+        let half = (!mirrors.is_empty()).then(|| surface().halved(&mirrors, self.diagonal()));
         let whole = surface();
         let Some(count) = self.parameters.max_parts.map(|count| count as usize) else {
             let symmetric = half.and_then(|half| {
                 let found = self.within(&half, error, usize::MAX, false)?;
-                let is_settled = self.deadline.is_some() || !self.meets_mirror(&half, &found);
                 let hulls = self.finished(&half, found);
-                self.covers(&hulls).then_some((hulls, is_settled))
+                self.covers(&hulls).then_some(hulls)
             });
-            if let Some((hulls, true)) = symmetric {
-                return Some(hulls);
-            }
-            let symmetric = symmetric.map(|(hulls, _)| hulls);
-            let found = self.within(&whole, error, usize::MAX, false);
-            let is_fewer = |found: &Found| symmetric.as_ref().is_none_or(|hulls| found.count() < hulls.len());
-            let other = found.filter(is_fewer).map(|found| self.finished(&whole, found));
-            return other.or(symmetric);
+            return symmetric.or_else(|| {
+                let found = self.within(&whole, error, usize::MAX, false)?;
+                Some(self.finished(&whole, found))
+            });
         };
-        let symmetric = half.and_then(|half| {
-            let found = self.at_most(&half, count, error)?;
+        let with_one = half.is_some().then(|| surface().halved(&mirrors[..1], self.diagonal()));
+        let symmetric = half.zip(with_one).and_then(|(half, with_one)| {
+            let found = self.at_most([&half, &with_one], count, error)?;
             let reached = found.reached();
             let hulls = self.finished(&half, found);
             self.covers(&hulls).then_some((hulls, reached))
@@ -124,7 +120,7 @@ impl<'a> Search<'a> {
         {
             return Some(hulls);
         }
-        let other = self.at_most(&whole, count, error);
+        let other = self.at_most([&whole; 2], count, error);
         let is_tighter = |found: &Found| symmetric.as_ref().is_none_or(|(_, reached)| found.reached() < *reached);
         let other = other.filter(is_tighter).map(|found| self.finished(&whole, found));
         other.or(symmetric.map(|(hulls, _)| hulls))
@@ -189,8 +185,9 @@ impl<'a> Search<'a> {
         Some(Found { parts: Halves { whole, mirrored }, limit }).filter(|found| found.count() > 1)
     }
 
-    /// At most `count` parts, with the least protrusion.
-    fn at_most(&mut self, surface: &Surface, count: usize, error: f64) -> Option<Found> {
+    /// At most `count` parts, with the least protrusion: of a plain run on the first surface, or of
+    /// runs on the second.
+    fn at_most(&mut self, [plain, surface]: [&Surface; 2], count: usize, error: f64) -> Option<Found> {
         let lowest = LEAST_FOR_COUNTS * self.diagonal();
         // The lowest limit known to leave few enough parts, and the highest that leaves too many.
         let (mut best, mut high, mut low): (Option<Found>, Option<f64>, Option<f64>) = (None, None, None);
@@ -198,7 +195,7 @@ impl<'a> Search<'a> {
         for search in 0..=MAX_SEARCHES {
             let found = match search {
                 // The parts of a plain run, if they are few enough.
-                0 => self.within(surface, limit, usize::MAX, false),
+                0 => self.within(plain, limit, usize::MAX, false),
                 _ => self.within(surface, limit, 2 * count + 8, true),
             };
             match found.filter(|found| found.count() <= count) {
@@ -248,15 +245,6 @@ impl<'a> Search<'a> {
             *divisible = partition::divided_further(surface, &mut self.field, bounds, parts, count);
         }
         found
-    }
-
-    /// Whether a part and its image meet at the mirror plane unmerged.
-    fn meets_mirror(&self, surface: &Surface, found: &Found) -> bool {
-        let on_plane = COVERED * self.diagonal();
-        surface.mirror.as_ref().is_some_and(|mirror| {
-            let is_at = |part: &Part| part.piece.body.points.iter().any(|p| mirror.plane.height(*p) <= on_plane);
-            found.parts.mirrored.iter().any(is_at)
-        })
     }
 
     fn finished(&self, surface: &Surface, found: Found) -> Vec<Hull> {

@@ -8,13 +8,15 @@ use shapes::{concave, mesh::Mesh, rng::SplitMix64, solids::extrusion};
 
 use super::{
     finish::Finish,
-    partition::{self, Halves, PartitionLimits, surface::Surface},
+    parameters::OVERLAP,
+    partition::{self, Halves, PartitionLimits, body::bounds, cuts::tests::gear, surface::Surface},
     *,
 };
 use crate::{
     fit::{Looseness, Solid, fits, looseness, uncovered},
     hull::Hull,
     mass::{Mass, mass},
+    symmetry,
 };
 
 pub fn point_set(mesh: &Mesh) -> PointSet {
@@ -114,13 +116,14 @@ fn finer_triangles_take_as_many_parts() {
 
 #[test]
 fn parts_are_tight_and_apart() {
-    for mesh in [concave::pipe(24), concave::horseshoe(16)] {
+    // With less overlap, the horseshoe takes ten parts instead of eight.
+    for (mesh, overlap) in [(concave::pipe(24), 0.01), (concave::horseshoe(16), OVERLAP)] {
         let mesh = point_set(&mesh);
         let cover = Cover::default();
         let parts = hulls(&mesh, &cover);
         let diagonal = Solid::new(&mesh).diagonal();
         let found = loose(&mesh, &parts);
-        assert!(found.overlap < 0.01 && found.outside_hull < 1e-3 * diagonal, "{found:?}");
+        assert!(found.overlap < overlap && found.outside_hull < 1e-3 * diagonal, "{found:?}");
         let fits = fits(&mesh, &parts.iter().collect::<Vec<_>>(), None).unwrap();
         let worst = fits.iter().map(|fit| fit.protrusion).fold(0.0, f64::max);
         assert!(worst > 0.005 * diagonal && found.mean_protrusion < 0.5 * worst, "{found:?} {worst}");
@@ -328,16 +331,50 @@ fn symmetric_meshes_get_mirrored_parts() {
     }
 }
 
+/// Every part has an image about both planes, or is its own.
+#[test]
+fn meshes_with_two_mirrors_get_parts_that_both_mirror() {
+    for mesh in [point_set(&concave::pipe(16)), cross()] {
+        let solid = Solid::new(&mesh);
+        let mirrors = symmetry::mirrors_of_mesh(&mesh, &solid);
+        let parts = sorted_vertices(&decompose(&mesh, &Cover::default()).unwrap().unwrap());
+        let boxes: Vec<[DVec3; 2]> = parts
+            .iter()
+            .map(|part| part.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect::<Vec<_>>())
+            .map(|part| bounds(&part).into())
+            .collect();
+        for mirror in &mirrors {
+            let image = |[low, high]: &[DVec3; 2]| {
+                let [p, q] = [mirror.image(*low), mirror.image(*high)];
+                [p.min(q), p.max(q)]
+            };
+            let is_near =
+                |a: &[DVec3; 2], b: &[DVec3; 2]| (0..2).all(|k| a[k].distance(b[k]) < 2e-3 * solid.diagonal());
+            let is_mirrored = |own: &[DVec3; 2]| boxes.iter().any(|other| is_near(&image(own), other));
+            assert!(boxes.iter().all(is_mirrored), "{mirror}: {boxes:?}");
+        }
+        assert_eq!(mirrors.len(), 2);
+    }
+}
+
+#[test]
+fn the_teeth_of_a_gear_are_equal_parts() {
+    let mesh = point_set(&gear(20, 0.4));
+    let volumes = hulls(&mesh, &Cover::default()).iter().map(|hull| mass(hull).volume).collect::<Vec<_>>();
+    let tooth = volumes.iter().copied().fold(f64::INFINITY, f64::min);
+    let equal = volumes.iter().filter(|volume| **volume < tooth * (1.0 + 1e-3)).count();
+    assert_eq!([equal, volumes.len()], [20, 21], "{volumes:?}");
+}
+
 /// Rounded reflections make parts grow.
 #[test]
 fn turned_and_moved_meshes_get_mirrored_parts_within_rounding() {
     let turn = DMat3::from_cols_array(&[2.0, 2.0, -1.0, -1.0, 2.0, 2.0, 2.0, -1.0, 2.0]) * (1.0 / 3.0);
-    for (shape, turn, offset, wins) in [
-        (concave::chair(), DMat3::IDENTITY, 7.3, true),
-        // The whole surface takes fewer parts than two halves.
-        (concave::horseshoe(8), turn, 0.0, false),
-        (concave::horseshoe(8), turn, 2.7, true),
-        (concave::horseshoe(8), DMat3::IDENTITY, 2.7, true),
+    for (shape, turn, offset) in [
+        (concave::chair(), DMat3::IDENTITY, 7.3),
+        (concave::horseshoe(8), turn, 0.0),
+        (concave::horseshoe(8), turn, 2.7),
+        (concave::horseshoe(8), DMat3::IDENTITY, 2.7),
     ] {
         let mut mesh = point_set(&shape);
         let at = |p: &[f32; 3]| DVec3::from_array(p.map(f64::from));
@@ -360,7 +397,7 @@ fn turned_and_moved_meshes_get_mirrored_parts_within_rounding() {
             };
             parts.iter().all(|part| parts.iter().any(|other| is_image(part, other)))
         };
-        assert_eq!((0..3).any(is_mirrored), wins, "{turn} {offset}");
+        assert!((0..3).any(is_mirrored), "{turn} {offset}");
     }
 }
 

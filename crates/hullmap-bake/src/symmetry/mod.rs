@@ -20,13 +20,13 @@ const MAX_ROUNDED: usize = 1024;
 /// Maximum number of triangles whose reflections are compared with the surface.
 const MAX_TRIANGLES: usize = 4096;
 
-/// The mirror plane of a mesh, whose solid is `solid`. Each vertex has another within rounding of
-/// its reflection, and reflected triangles lie on the surface. Coordinate planes are preferred,
-/// then the one across which the mesh is longest.
+/// Up to two mirror planes of a mesh, whose solid is `solid`, at right angles to each other. Each
+/// vertex has another within rounding of its reflection, and reflected triangles lie on the surface.
+/// Coordinate planes are preferred, then the one across which the mesh is longest.
 ///
 /// # Complexity
 /// O(n log n) for n vertices and triangles.
-pub fn mirror_of_mesh(mesh: &PointSet, solid: &Solid) -> Option<Mirror> {
+pub fn mirrors_of_mesh(mesh: &PointSet, solid: &Solid) -> Vec<Mirror> {
     let points: Vec<[f32; 3]> = mesh.triangles.iter().flatten().map(|v| mesh.positions[*v as usize]).collect();
     let is_mirrored = |mirror: &Mirror| {
         let step = mesh.triangles.len().div_ceil(MAX_TRIANGLES);
@@ -42,7 +42,7 @@ pub fn mirror_of_mesh(mesh: &PointSet, solid: &Solid) -> Option<Mirror> {
             })
         })
     };
-    search::mirrors(&points).into_iter().find(is_mirrored)
+    search::mirrors(&points).into_iter().filter(is_mirrored).take(2).collect()
 }
 
 /// The plane about which parts, each given by its vertices, are symmetric: each is the mirror image

@@ -9,8 +9,8 @@ use super::{
     context::PartitionSearch,
     links::Links,
     piece::{Piece, Scale},
-    planes::FacePlanes,
 };
+use crate::fit::SolidKind;
 use hullmap_geometry::planes::HalfSpace;
 
 /// Number of equal slabs between the candidates across a direction.
@@ -31,6 +31,9 @@ const OFF_MIDDLE: f64 = 0.3;
 
 /// Relative extra cost of a plane that is not across an axis: axis cuts are the easiest to read.
 const SLANTED: f64 = 0.5;
+
+/// Distance of a cut from the wall that it cuts off, relative to the tolerance of points in a plane.
+const BESIDE: f64 = 4.0;
 
 /// Factor for planes of faces: parts then end where faces do, and faces stay flat.
 const OF_FACE: f64 = 0.7;
@@ -107,14 +110,21 @@ pub fn through_middle(piece: &Piece) -> impl Iterator<Item = HalfSpace> {
 }
 
 /// The planes of faces at concave edges, and of large faces, that cut a piece, in the given order.
-pub fn faces<'a>(piece: &'a Piece, scale: &Scale, planes: &'a FacePlanes) -> impl Iterator<Item = HalfSpace> + 'a {
-    let margin = 0.2 * scale.limit;
-    let cuts = move |plane: &&HalfSpace| {
+/// Of walls, planes just beside them, so that the last wall can be cut off.
+pub fn faces<'a>(search: &'a PartitionSearch, piece: &'a Piece) -> impl Iterator<Item = HalfSpace> + 'a {
+    let inward = BESIDE * search.scale.tolerance();
+    let are_walls = search.field.solid().kind() == SolidKind::Walls;
+    let margin = if are_walls { 0.2 * inward } else { 0.2 * search.scale.limit };
+    let cuts = move |plane: &HalfSpace| {
         let (low, high) = range(piece, plane.normal);
         low < plane.offset - margin && high > plane.offset + margin
     };
-    let some = move |planes: &'a [HalfSpace]| planes.iter().filter(cuts).take(FACES).copied();
-    some(&planes.concave).chain(some(&planes.large))
+    let beside = move |plane: &HalfSpace| {
+        let sides = [*plane, plane.opposite()];
+        if are_walls { sides.map(|plane| plane.moved(-inward)).to_vec() } else { vec![*plane] }
+    };
+    let some = move |planes: &'a [HalfSpace]| planes.iter().flat_map(beside).filter(cuts).take(FACES);
+    some(&search.planes.concave).chain(some(&search.planes.large))
 }
 
 /// How much two sides of a plane protrude: the sum of squares of the numbers of forbidden points in
@@ -186,7 +196,8 @@ impl<'a> Choice<'a> {
     }
 
     fn candidates(&self) -> Vec<Candidate> {
-        let Self { search: PartitionSearch { scale, planes, .. }, piece, .. } = *self;
+        let Self { search, piece, .. } = *self;
+        let scale = &search.scale;
         let across = |normal: DVec3, k: usize| {
             let (low, high) = range(piece, normal);
             HalfSpace { normal, offset: low + (high - low) * k as f64 / SLABS as f64 }
@@ -197,7 +208,8 @@ impl<'a> Choice<'a> {
         });
         let slices = wide.flat_map(|normal| (2..SLABS - 1).map(move |k| across(normal, k)));
         let slices = slices.map(|plane| (plane, 1.0 + unlike(piece, &plane)));
-        let faces = faces(piece, scale, planes).map(|plane| (plane, OF_FACE));
+        let of_face = if search.field.solid().kind() == SolidKind::Walls { 1.0 } else { OF_FACE };
+        let faces = faces(search, piece).map(|plane| (plane, of_face));
         let all: Vec<(usize, (HalfSpace, f64))> = slices.chain(faces).enumerate().collect();
         let candidate = |(index, (plane, factor))| Candidate { index, plane, factor, left: self.left(&plane) };
         all.into_par_iter().map(candidate).collect()
@@ -252,7 +264,7 @@ pub mod tests {
     use super::*;
     use crate::{
         decompose::{
-            partition::{atom::Atom, field::Field, surface::Surface, wrap::HullLimits},
+            partition::{atom::Atom, field::Field, planes::FacePlanes, surface::Surface, wrap::HullLimits},
             patch::Patch,
             tests::point_set,
         },

@@ -190,8 +190,8 @@ impl<'a> Field<'a> {
     }
 
     /// Keeps the large flat faces flat, for parts within a limit.
-    pub fn keep_flats(&mut self, limit: f64) {
-        self.flats = Flats::new(self.solid, limit);
+    pub fn keep_flats(&mut self, limit: f64, thickness: f64) {
+        self.flats = Flats::new(self.solid, limit, thickness);
     }
 
     /// Finds the local maxima of the distance above a length, which makes proofs for greater

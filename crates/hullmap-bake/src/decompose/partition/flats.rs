@@ -1,9 +1,13 @@
 //! Large flat faces of a solid, which stay flat: no part may stand out of one, except near its rim.
 
-use std::{collections::BTreeMap, ops::ControlFlow};
+use std::{
+    collections::{BTreeMap, HashSet},
+    ops::ControlFlow,
+};
 
 use glam::DVec3;
 
+use crate::decompose::patch::bits;
 use crate::fit::{
     Solid, SolidKind,
     triangle_tree::{Bounds, TriangleTree},
@@ -54,19 +58,26 @@ struct Nearest {
 }
 
 impl Flats {
-    /// The large flat faces of a solid whose parts are within a limit. None of walls, whose parts
-    /// are made thick.
+    /// The large flat faces of a solid whose parts are within a limit. Walls have two sides, from
+    /// which the thickness of their parts stands out.
     ///
     /// # Complexity
     /// O(n log n) for n triangles.
-    pub fn new(solid: &Solid, limit: f64) -> Self {
-        let heights = [EXCESS * solid.diagonal(), limit];
-        if solid.kind() == SolidKind::Walls || LEAST * heights[0] > limit {
+    pub fn new(solid: &Solid, limit: f64, thickness: f64) -> Self {
+        let are_walls = solid.kind() == SolidKind::Walls;
+        let heights = [EXCESS * solid.diagonal() + if are_walls { 0.5 * thickness } else { 0.0 }, limit];
+        if LEAST * heights[0] > limit {
             return Self::default();
         }
         let mut total = 0.0;
         let mut groups: BTreeMap<[i64; 4], (f64, Vec<Triangle>)> = BTreeMap::new();
-        for corners in &solid.triangles()[..solid.mesh_count()] {
+        let own = &solid.triangles()[..solid.mesh_count()];
+        // A doubled wall has both sides already.
+        let mut seen = HashSet::new();
+        let other = own.iter().filter(|_| are_walls).map(|[a, b, c]| [*a, *c, *b]);
+        for corners in
+            &own.iter().copied().chain(other).filter(|corners| seen.insert(side(corners))).collect::<Vec<_>>()
+        {
             let Some(normal) = area(corners).try_normalize() else { continue };
             let height = normal.dot(corners[0]) / (STEPS[1] * solid.diagonal());
             let [x, y, z] = (normal / STEPS[0]).to_array();
@@ -123,7 +134,6 @@ impl Flat {
         let largest = triangles.iter().max_by(|a, b| area(a).length().total_cmp(&area(b).length()))?;
         let normal = area(largest).try_normalize()?;
         let plane = HalfSpace { normal, offset: normal.dot(largest[0]) };
-        let bits = |p: DVec3| (p + DVec3::ZERO).to_array().map(f64::to_bits);
         let mut edges: BTreeMap<[[u64; 3]; 2], (Triangle, usize)> = BTreeMap::new();
         for [a, b, c] in &triangles {
             for [p, q] in [[*a, *b], [*b, *c], [*c, *a]] {
@@ -151,6 +161,13 @@ impl Nearest {
     }
 }
 
+/// The corners of a triangle, the least first: equal for equal sides of equal triangles.
+fn side(corners: &Triangle) -> [[u64; 3]; 3] {
+    let bits = corners.map(bits);
+    let least = (0..3).min_by_key(|k| bits[*k]).unwrap_or_default();
+    [0, 1, 2].map(|k| bits[(least + k) % 3])
+}
+
 fn area([a, b, c]: &Triangle) -> DVec3 {
     (*b - *a).cross(*c - *a)
 }
@@ -162,6 +179,7 @@ mod tests {
 
     use super::*;
     use crate::decompose::{Cover, Length, decompose, partition::field::Field, tests::point_set};
+    use crate::fit::SolidRule;
 
     /// A block with a step of 1.2 % of its diagonal.
     fn step() -> PointSet {
@@ -180,7 +198,7 @@ mod tests {
         let solid = Solid::new(&step());
         let (limit, least) = (0.02 * solid.diagonal(), 1e-3 * solid.diagonal());
         let mut field = Field::new(&solid);
-        field.keep_flats(limit);
+        field.keep_flats(limit, 0.0);
         let (mut left, mut near) = (0, 0);
         for _ in 0..20_000 {
             let p = DVec3::new(rng.between(2.0, 4.0), rng.between(1.0, 1.12), rng.between(0.0, 3.0));
@@ -193,6 +211,30 @@ mod tests {
             near += usize::from(!expected && height > least);
         }
         assert!(left > 5_000 && near > 500, "the sample is not representative: {left} left, {near} near the rim");
+    }
+
+    #[test]
+    fn walls_stay_flat_on_both_sides() {
+        let seed = 67;
+        println!("seed {seed}");
+        let mut rng = SplitMix64::new(seed);
+        let mut mesh = extrusion(&[[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]], 0.0, 2.0);
+        // An open box.
+        mesh.faces.remove(1);
+        let solid = Solid::by(&point_set(&mesh), SolidRule::Walls);
+        let [limit, thickness] = [0.03, 0.01].map(|share| share * solid.diagonal());
+        let mut field = Field::new(&solid);
+        field.keep_flats(limit, thickness);
+        let least = 1e-3 * solid.diagonal() + 0.5 * thickness;
+        let mut counts = [0; 2];
+        for _ in 0..2_000 {
+            let height = rng.between(-1.0, 1.0) * limit;
+            let p = DVec3::new(rng.between(limit, 4.0 - limit), rng.between(limit, 3.0 - limit), height);
+            let is_beyond = field.is_beyond(p, limit);
+            assert_eq!(is_beyond, height.abs() > least, "{p}");
+            counts[usize::from(is_beyond)] += 1;
+        }
+        assert!(counts.iter().all(|count| *count > 300), "the sample is not representative: {counts:?}");
     }
 
     #[test]

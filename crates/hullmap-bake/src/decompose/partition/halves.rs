@@ -12,7 +12,7 @@ use super::{
     context::PartitionSearch,
     join::{self, Overlap},
     piece::Piece,
-    shape::Part,
+    shape::{Component, Part},
 };
 use crate::symmetry::Mirror;
 use hullmap_geometry::planes::HalfSpace;
@@ -52,8 +52,38 @@ pub struct Halves {
     pub mirrored: Vec<Part>,
 }
 
+impl Halves {
+    /// The number of parts, with images.
+    pub fn count(&self) -> usize {
+        self.whole.len() + 2 * self.mirrored.len()
+    }
+
+    /// All parts and the images of those that have images. `None` if an image is not proven, or the
+    /// time is over.
+    pub fn with_images(self, search: &PartitionSearch, mirror: &Mirror, meeting: &[u32]) -> Option<Vec<Part>> {
+        let image = |part: &Part| {
+            let Piece { atoms, corners, planes, .. } = &part.piece;
+            let atoms = atoms.iter().map(|atom| Arc::new(atom.image(mirror))).collect();
+            let corners = corners.iter().map(|p| mirror.image(*p)).collect();
+            let planes = planes.iter().map(|plane| plane_image(plane, mirror)).collect();
+            let Component { index, image } = part.component;
+            let component = Component { index, image: if meeting.contains(&index) { image } else { 1 } };
+            let image = search.shaped(&search.scale.piece(atoms, corners, planes, &[])).ok()?;
+            Some(Part { component, ..image })
+        };
+        let images: Option<Vec<Part>> = self.mirrored.par_iter().map(image).collect();
+        Some([self.whole, self.mirrored, images?].concat())
+    }
+}
+
+fn plane_image(plane: &HalfSpace, mirror: &Mirror) -> HalfSpace {
+    let normal = mirror.image(plane.normal) - mirror.image(DVec3::ZERO);
+    HalfSpace { normal, offset: normal.dot(mirror.image(plane.normal * plane.offset)) }
+}
+
 /// Merges parts of half a surface with their mirror images, under the conditions of
-/// [`join::merge`], down to `wanted` parts.
+/// [`join::merge`], down to `wanted` parts. Only components among `meeting`, which reach the mirror,
+/// have parts on both of its sides.
 ///
 /// # Complexity
 /// One hull for each pair of parts, including merged parts.
@@ -61,6 +91,7 @@ pub fn merge(
     search: &PartitionSearch,
     parts: Vec<Part>,
     mirror: &Mirror,
+    meeting: &[u32],
     forbidden: &mut Vec<DVec3>,
     wanted: usize,
 ) -> Halves {
@@ -74,7 +105,7 @@ pub fn merge(
     let mut failures = join::FAILURES + units.len();
     let mut mergers: BTreeMap<(usize, usize), Option<Merger>> = BTreeMap::new();
     while failures > 0 && !search.is_over() {
-        let new: Vec<(usize, usize)> = pairs(&units).filter(|pair| !mergers.contains_key(pair)).collect();
+        let new: Vec<(usize, usize)> = pairs(&units, meeting).filter(|pair| !mergers.contains_key(pair)).collect();
         let new: Vec<_> =
             new.into_par_iter().map(|pair| (pair, merger(search, &units, pair, mirror, forbidden))).collect();
         mergers.extend(new);
@@ -122,12 +153,13 @@ fn images(body: &Body, mirror: &Mirror) -> Vec<DVec3> {
     body.points.iter().map(|p| mirror.image(*p)).collect()
 }
 
-fn pairs(units: &[Option<Unit>]) -> impl Iterator<Item = (usize, usize)> + '_ {
+fn pairs<'a>(units: &'a [Option<Unit>], meeting: &'a [u32]) -> impl Iterator<Item = (usize, usize)> + 'a {
     let has_image = |i: usize| units[i].as_ref().map(|unit| unit.image.is_some());
     let component = |i: usize| units[i].as_ref().map(|unit| unit.part.component);
     let all = (0..units.len()).flat_map(|j| (0..=j).map(move |i| (i, j)));
-    let of_one =
-        all.filter(move |(i, j)| component(*i) == component(*j) && component(*i).is_some_and(|own| own.meets_mirror));
+    let of_one = all.filter(move |(i, j)| {
+        component(*i) == component(*j) && component(*i).is_some_and(|own| meeting.contains(&own.index))
+    });
     of_one.filter(move |(i, j)| match (has_image(*i), has_image(*j)) {
         (Some(true), Some(true)) => i == j,
         (Some(false), Some(false)) => i != j,
@@ -172,9 +204,7 @@ fn united(
         atoms.extend(own.iter().cloned());
         corners.extend_from_slice(&unit.part.piece.corners);
         for plane in &unit.part.piece.planes {
-            let normal = mirror.image(plane.normal) - mirror.image(DVec3::ZERO);
-            let image = HalfSpace { normal, offset: normal.dot(mirror.image(plane.normal * plane.offset)) };
-            planes.extend([*plane, image]);
+            planes.extend([*plane, plane_image(plane, mirror)]);
         }
         if unit.image.is_some() {
             atoms.extend(own.iter().map(|atom| Arc::new(atom.image(mirror))));

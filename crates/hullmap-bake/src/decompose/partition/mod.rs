@@ -13,6 +13,11 @@
 //!    at which planes meet belong to a piece, so that parts contain the solid, too.
 //! 4. Where that gives a few parts, also peel the piece, and take the fewer parts.
 //! 5. Merge parts as long as the merged hull is proven, and barely overlaps other parts.
+//! 6. Where features stand out of shells, such as teeth, repeat steps 3 to 5 with the features cut
+//!    off, and take the fewer parts.
+//!
+//! About a mirror, one half is searched; about two mirrors, a quarter. Parts are then merged across
+//! the mirrors, into parts that both mirror.
 //!
 //! # Why the bounds hold
 //! - The pieces are clipped triangles, which together are the surface. A hull of a piece's corners,
@@ -31,6 +36,7 @@ pub mod conflicts;
 pub mod context;
 pub mod cuts;
 pub mod extremes;
+pub mod features;
 pub mod few;
 pub mod field;
 pub mod flats;
@@ -66,6 +72,7 @@ use wrap::HullLimits;
 use crate::{
     decompose::patch::{Patch, patches},
     progress::Stage,
+    symmetry::Mirror,
 };
 use hullmap_geometry::planes::HalfSpace;
 
@@ -110,37 +117,51 @@ pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) ->
     let PartitionLimits { bounds, most, wanted, bridges } = *limits;
     let (limit, stage) = (bounds.limit, bounds.stage);
     field.find_peaks(limit * PEAKS, bounds.deadline);
-    field.keep_flats(limit);
+    field.keep_flats(limit, bounds.thickness);
     let field = &*field;
     let diagonal = field.solid().diagonal();
     let scale = Scale { limit: limit * RESERVE, diagonal, field };
-    let planes = FacePlanes::new(&surface.triangles);
+    let triangles = surface.least(diagonal);
+    let planes = FacePlanes::new(&triangles);
     let search = PartitionSearch { field, scale, planes: &planes, bounds };
-    let atoms = patches(&surface.triangles, diagonal / ATOMS);
+    let atoms = patches(&triangles, diagonal / ATOMS);
     let atoms: Vec<Arc<Atom>> = atoms.into_iter().map(|patch| Arc::new(Atom::new(patch))).collect();
-    let mut forbidden = search.forbidden(&surface.triangles, &scale.body_of(&Cloud::of_atoms(&atoms)));
-    let sides: Vec<HalfSpace> = surface.mirror.iter().map(|mirror| mirror.plane.opposite()).collect();
+    let mut forbidden = search.forbidden(&triangles, &scale.body_of(&Cloud::of_atoms(&atoms)));
+    let mirrors: Vec<Mirror> = surface.mirrors().copied().collect();
+    let sides: Vec<HalfSpace> = mirrors.iter().map(|mirror| mirror.plane.opposite()).collect();
     let shells = if bridges {
         vec![(0, scale.piece(atoms, Vec::new(), sides, &forbidden))]
     } else {
         scale.shells(atoms, &sides, &forbidden)
     };
-    let (of_shells, shells): (Vec<u32>, Vec<Piece>) = shells.into_iter().unzip();
-    let meets_mirror = |piece: &Piece| surface.mirror.as_ref().is_some_and(|m| scale.meets(&piece.body, &m.plane));
-    let of_mirror: Vec<u32> =
-        of_shells.iter().zip(&shells).filter(|(_, piece)| meets_mirror(piece)).map(|(index, _)| *index).collect();
-    let found = each_divided(&search, shells, most, 0, &mut forbidden, stage.from_to(0.0, DIVIDED))?;
-    let of_shell = |(index, parts): (u32, Vec<Part>)| {
-        let component = Component { index, meets_mirror: bridges || of_mirror.contains(&index) };
-        parts.into_iter().map(move |part| Part { component, ..part }).collect::<Vec<_>>()
+    let meets = |mirror: &Mirror| {
+        let at_mirror = shells.iter().filter(|(_, piece)| bridges || scale.meets(&piece.body, &mirror.plane));
+        at_mirror.map(|(index, _)| *index).collect::<Vec<u32>>()
     };
-    let parts: Vec<Part> = of_shells.into_iter().zip(found).flat_map(of_shell).collect();
-    let Some(mirror) = &surface.mirror else {
-        let whole = join::merge(&search, parts, &mut forbidden, wanted);
-        return Some(Halves { whole, mirrored: Vec::new() });
+    let meeting: Vec<Vec<u32>> = mirrors.iter().map(meets).collect();
+    let mut parts_of = |shells: Vec<(u32, Piece)>, stage: Stage| {
+        let (indices, shells): (Vec<u32>, Vec<Piece>) = shells.into_iter().unzip();
+        let found = each_divided(&search, shells, most, 0, &mut forbidden, stage.from_to(0.0, DIVIDED))?;
+        let of_shell = |(index, parts): (u32, Vec<Part>)| {
+            let component = Component { index, image: 0 };
+            parts.into_iter().map(move |part| Part { component, ..part })
+        };
+        let parts: Vec<Part> = indices.into_iter().zip(found).flat_map(of_shell).collect();
+        let wanted = |halvings: usize| wanted.div_ceil(1 << halvings);
+        let mut parts = join::merge(&search, parts, &mut forbidden, wanted(mirrors.len()));
+        let Some((last, first)) = mirrors.split_last() else {
+            return Some(Halves { whole: parts, mirrored: Vec::new() });
+        };
+        for (mirror, meeting) in first.iter().zip(&meeting) {
+            let halves = halves::merge(&search, parts, mirror, meeting, &mut forbidden, wanted(1));
+            parts = halves.with_images(&search, mirror, meeting)?;
+        }
+        Some(halves::merge(&search, parts, last, meeting.last()?, &mut forbidden, wanted(0)))
     };
-    let parts = join::merge(&search, parts, &mut forbidden, wanted.div_ceil(2));
-    Some(halves::merge(&search, parts, mirror, &mut forbidden, wanted))
+    let Some(featured) = features::cut_off(&search, &shells, &mirrors) else { return parts_of(shells, stage) };
+    let featured = parts_of(featured, stage.from_to(0.0, 0.5));
+    let plain = parts_of(shells, stage.from_to(0.5, 1.0));
+    [featured, plain].into_iter().flatten().min_by_key(Halves::count)
 }
 
 /// Divides parts further, up to `count` in all: those that protrude much from a large surface
@@ -153,7 +174,7 @@ pub fn divided_further(
     count: usize,
 ) -> Vec<Part> {
     field.find_peaks(bounds.limit * PEAKS, bounds.deadline);
-    field.keep_flats(bounds.limit);
+    field.keep_flats(bounds.limit, bounds.thickness);
     let scale = Scale { limit: bounds.limit * RESERVE, diagonal: bounds.diagonal, field: &*field };
     let planes = FacePlanes::new(&surface.triangles);
     let search = PartitionSearch { field, scale, planes: &planes, bounds };

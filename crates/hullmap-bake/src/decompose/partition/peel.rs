@@ -145,7 +145,7 @@ impl<'a> Caps<'a> {
         let mut lines: Vec<Line> = all.into_iter().filter_map(of_direction).collect();
         if matches!(along, Along::All) {
             // Both sides of each plane, the only position of its line.
-            let both = faces(whole, scale, search.planes).flat_map(|plane| [plane, plane.opposite()]);
+            let both = faces(search, whole).flat_map(|plane| [plane, plane.opposite()]);
             lines.extend(both.map(|plane| Line::new(plane.normal, plane.offset, plane.offset, 2)));
         }
         let mut caps = Self { search, whole, near: scale.links(&whole.atoms), lines };

@@ -112,7 +112,8 @@ impl<'a> Cloud<'a> {
         found
     }
 
-    fn points(&self) -> impl Iterator<Item = DVec3> + '_ {
+    /// The points.
+    pub fn points(&self) -> impl Iterator<Item = DVec3> + '_ {
         self.groups.iter().flat_map(|group| group.points().iter().copied())
     }
 
@@ -224,6 +225,31 @@ impl Scale<'_> {
             self.piece(atoms, corners, planes, &piece.forbidden)
         };
         Some([side(below, *plane), side(above, plane.opposite())])
+    }
+
+    /// Some atoms of a piece above a plane, and the rest of the piece, which is on both of its sides.
+    pub fn cut_off(&self, piece: &Piece, plane: &HalfSpace, is_own: &[bool]) -> Option<[Piece; 2]> {
+        let (mut cap, mut rest) = (Vec::new(), Vec::new());
+        for (atom, is_own) in piece.atoms.iter().zip(is_own) {
+            if *is_own {
+                let [below, above] = self.divided(std::slice::from_ref(atom), plane);
+                rest.extend(below);
+                cap.extend(above);
+            } else {
+                rest.push(Arc::clone(atom));
+            }
+        }
+        if cap.is_empty() || rest.is_empty() {
+            return None;
+        }
+        let planes = [piece.planes.as_slice(), &[plane.opposite()]].concat();
+        let corners = [piece.corners.as_slice(), &self.new_corners(&planes)].concat();
+        let of = |atoms: Vec<Arc<Atom>>, planes: Vec<HalfSpace>, is_cap: bool| {
+            let is_in = |p: &&DVec3| !is_cap || plane.height(**p) >= -self.tolerance();
+            let corners = corners.iter().filter(is_in).filter(|p| self.sees(&atoms, **p)).copied().collect();
+            self.piece(atoms, corners, planes, &piece.forbidden)
+        };
+        Some([of(cap, planes.clone(), true), of(rest, piece.planes.clone(), false)])
     }
 
     /// The points at which the last of some planes meets two others, if the solid is within all

@@ -10,6 +10,9 @@ use hullmap_geometry::planes::HalfSpace;
 /// Sine of the angle at which faces must lie in front of each other for their edge to be concave.
 const CONCAVE: f64 = 0.02;
 
+/// The same for sharp edges, at which features begin.
+const SHARP: f64 = 0.3;
+
 /// Share of the area of all faces from which faces in one plane count as large.
 const LARGE: f64 = 0.005;
 
@@ -26,6 +29,8 @@ pub struct FacePlanes {
     pub concave: Vec<HalfSpace>,
     /// Planes of large faces, the largest first. Where shells touch, there are no concave edges.
     pub large: Vec<HalfSpace>,
+    /// Sharp concave edges.
+    pub edges: Vec<[DVec3; 2]>,
 }
 
 /// A weight, a plane, and a point of it.
@@ -46,9 +51,10 @@ impl FacePlanes {
         let faces = grouped(triangles.iter().map(of_face).filter(|(area, ..)| *area > 0.0), low, high);
         let total: f64 = faces.iter().map(|(area, _)| area).sum();
         let large = faces.into_iter().take_while(|(area, _)| *area >= LARGE * total);
-        let concave = grouped(concave_edges(triangles).into_iter(), low, high);
+        let (concave, edges) = concave_edges(triangles);
+        let concave = grouped(concave.into_iter(), low, high);
         let plane = |(_, plane)| plane;
-        Self { concave: concave.into_iter().map(plane).collect(), large: large.map(plane).collect() }
+        Self { concave: concave.into_iter().map(plane).collect(), large: large.map(plane).collect(), edges }
     }
 }
 
@@ -72,8 +78,8 @@ fn normal([a, b, c]: &[DVec3; 3]) -> DVec3 {
     (*b - *a).cross(*c - *a).normalize_or_zero()
 }
 
-/// The planes of both faces at each concave edge, weighted by its length and sine.
-fn concave_edges(triangles: &[[DVec3; 3]]) -> Vec<Weighted> {
+/// The planes of both faces at each concave edge, weighted by its length and sine, and the sharp edges.
+fn concave_edges(triangles: &[[DVec3; 3]]) -> (Vec<Weighted>, Vec<[DVec3; 2]>) {
     let key = |p: DVec3| (p + DVec3::ZERO).to_array().map(f64::to_bits);
     let mut sides: Vec<([[u64; 3]; 2], u32, u32)> = Vec::with_capacity(3 * triangles.len());
     for (i, t) in triangles.iter().enumerate() {
@@ -85,7 +91,7 @@ fn concave_edges(triangles: &[[DVec3; 3]]) -> Vec<Weighted> {
         }
     }
     sides.sort_unstable();
-    let mut found = Vec::new();
+    let (mut found, mut edges) = (Vec::new(), Vec::new());
     for run in sides.chunk_by(|a, b| a.0 == b.0).filter(|run| (2..=MAX_FACES).contains(&run.len())) {
         for (i, first) in run.iter().enumerate() {
             for second in &run[i + 1..] {
@@ -98,10 +104,11 @@ fn concave_edges(triangles: &[[DVec3; 3]]) -> Vec<Weighted> {
                 // Written so that NaN is not concave.
                 if sine > CONCAVE && normals.iter().all(|normal| *normal != DVec3::ZERO) {
                     let weight = a.distance(b) * sine;
+                    edges.extend((sine > SHARP).then_some([a, b]));
                     found.extend(normals.map(|normal| (weight, HalfSpace { normal, offset: normal.dot(a) }, a)));
                 }
             }
         }
     }
-    found
+    (found, edges)
 }

@@ -77,8 +77,8 @@ pub struct Part {
 pub struct Component {
     /// Index of the component.
     pub index: u32,
-    /// Whether it reaches the mirror plane, so that it is its own image.
-    pub meets_mirror: bool,
+    /// 1 for the image of a component that does not reach the mirror plane, or else 0.
+    pub image: u32,
 }
 
 /// A hull, and the proven bound on its protrusion, or why there is none: a point of the tight hull

@@ -18,6 +18,8 @@ pub struct Surface {
     pub triangles: Vec<Triangle>,
     /// The mirror about which they are half of a surface.
     pub mirror: Option<Mirror>,
+    /// A mirror about which the half is symmetric.
+    pub second: Option<Mirror>,
 }
 
 impl Surface {
@@ -44,18 +46,37 @@ impl Surface {
         if triangles.iter().map(|[a, b, c]| a.cross(*b).dot(*c)).sum::<f64>() < 0.0 {
             triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         }
-        Self { triangles, mirror: None }
+        Self { triangles, mirror: None, second: None }
     }
 
-    /// The half on the mirror's own side; `diagonal` belongs to the whole mesh.
-    pub fn halved(self, mirror: Mirror, diagonal: f64) -> Self {
-        let own = mirror.plane.opposite();
-        let half = |triangle: &Triangle| {
-            let mut kept = planes::cut(triangle, &own, ON_PLANE * diagonal)[0].clone();
-            // Both halves end at the same points.
-            kept.iter_mut().filter(|p| own.height(**p).abs() <= ON_PLANE * diagonal).for_each(|p| *p = mirror.foot(*p));
-            planes::fan(&kept)
-        };
-        Self { triangles: self.triangles.iter().flat_map(half).collect(), mirror: Some(mirror) }
+    /// The half on the own side of the first mirror, if there is one; `diagonal` belongs to the whole
+    /// mesh. The second mirror is at right angles to the first.
+    pub fn halved(self, mirrors: &[Mirror], diagonal: f64) -> Self {
+        let [mirror, second] = [0, 1].map(|index| mirrors.get(index).copied());
+        let triangles =
+            mirror.map_or_else(|| self.triangles.clone(), |mirror| half(&self.triangles, &mirror, diagonal));
+        Self { triangles, mirror, second }
     }
+
+    /// The triangles on the own sides of both mirrors.
+    pub fn least(&self, diagonal: f64) -> Vec<Triangle> {
+        self.second.map_or_else(|| self.triangles.clone(), |mirror| half(&self.triangles, &mirror, diagonal))
+    }
+
+    /// Its mirrors, the one that halves it last.
+    pub fn mirrors(&self) -> impl Iterator<Item = &Mirror> {
+        self.second.iter().chain(&self.mirror)
+    }
+}
+
+/// The triangles on a mirror's own side.
+fn half(triangles: &[Triangle], mirror: &Mirror, diagonal: f64) -> Vec<Triangle> {
+    let own = mirror.plane.opposite();
+    let half = |triangle: &Triangle| {
+        let mut kept = planes::cut(triangle, &own, ON_PLANE * diagonal)[0].clone();
+        // Both halves end at the same points.
+        kept.iter_mut().filter(|p| own.height(**p).abs() <= ON_PLANE * diagonal).for_each(|p| *p = mirror.foot(*p));
+        planes::fan(&kept)
+    };
+    triangles.iter().flat_map(half).collect()
 }
