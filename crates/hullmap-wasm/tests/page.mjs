@@ -377,10 +377,13 @@ try {
     new MutationObserver(() => window.bars.push(bar.value)).observe(bar, { attributes: true });
   });
   await loaded(() => page.setInputFiles("#file-a", decomposed));
-  await page.fill("#max-parts", "4");
-  await page.check("#moves");
-  await page.evaluate(() => window.gaps.splice(0));
+  await loaded(() => page.selectOption("#sample-b", "cube"));
   await loaded(() => page.selectOption("#split", "parts"));
+  await page.check("#moves");
+  await setNumber("#max-parts", 4);
+  await page.waitForFunction(() => /Baking gear/.test(document.getElementById("busy").textContent));
+  await page.evaluate(() => window.gaps.splice(0));
+  await page.waitForFunction(() => document.getElementById("busy").textContent === "", null, { timeout: 120_000 });
   const moving = await page.evaluate(() => window.gaps.splice(0));
   await page.uncheck("#moves");
   native("build", decomposed, "--out", meshes, "--force", "--decompose", "--max-parts", "4");
