@@ -1,4 +1,5 @@
-//! From a mesh to a pack or a level: the bytes of a mesh file, or arrays. The command's own code bakes.
+//! From a mesh to a pack or a level: the bytes of a mesh file, or arrays. The command's own code
+//! bakes.
 
 use std::path::Path;
 
@@ -58,8 +59,8 @@ impl Baked {
 /// `file` is the name of the file, whose extension selects the format. The pack has the same bytes
 /// as the pack that `bake build` saves in the folder of the mesh, with the same options.
 ///
-/// `onProgress` is called with the share that is done, from 0 to 1, at each hundredth. If it returns
-/// `false` or throws, the bake ends with an error.
+/// `onProgress` is called with the share that is done, from 0 to 1, at each hundredth. If it
+/// returns `false` or throws, the bake ends with an error.
 ///
 /// # Errors
 /// An option is wrong, the file is faulty, or a hull cannot be built. The message names the fault

@@ -44,8 +44,8 @@ impl EdgeClass {
         }
     }
 
-    /// The edges of each class, each once, in the order of [`Self::ALL`], in O(n log n). `triangles`
-    /// are corners, and the classes of the edges from each to the next.
+    /// The edges of each class, each once, in the order of [`Self::ALL`], in O(n log n).
+    /// `triangles` are corners, and the classes of the edges from each to the next.
     pub fn group(triangles: impl IntoIterator<Item = ([u32; 3], [Self; 3])>) -> Vec<Vec<[u32; 2]>> {
         let mut groups = vec![Vec::new(); Self::ALL.len()];
         for ([a, b, c], classes) in triangles {

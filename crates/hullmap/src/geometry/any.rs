@@ -25,8 +25,8 @@ use crate::support::support_map::forward_support_map;
 use crate::support::{Bounds, FeaturePoint, LevelEdges, Lookup, SupportMap, SupportPoint};
 
 /// Two geometries of any kind. Queries of what is inside have the answers of queries of the two
-/// [`SharedGeometry`], bit by bit, in a tenth of the code. They take longer: each support query is a
-/// call of a function that the compiler does not know.
+/// [`SharedGeometry`], bit by bit, in a fifth of the code. They take longer: each support query is
+/// a call of a function that the compiler does not know.
 ///
 /// # Examples
 /// ```
