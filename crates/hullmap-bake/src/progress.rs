@@ -1,19 +1,39 @@
-//! Progress of a long computation, for a progress bar in another thread, which may also cancel it.
+//! Progress of a long computation, for a progress bar, which may also cancel it: in another thread,
+//! or by a listener where there is only one.
 //! Shares are estimates from counts of steps; no result depends on them.
 
+use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 
 /// Resolution of a share.
 const STEPS: f64 = 1e6;
+
+/// Steps between two calls of a listener.
+const HUNDREDTH: u32 = 10_000;
 
 /// Share of a computation that is done, from 0 to 1. It never decreases.
 #[derive(Debug, Default)]
 pub struct Progress {
     done: AtomicU32,
     is_cancelled: AtomicBool,
+    listener: Option<Listener>,
+}
+
+struct Listener(Box<dyn Fn(f64) -> bool + Send + Sync>);
+
+impl fmt::Debug for Listener {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Listener")
+    }
 }
 
 impl Progress {
+    /// Progress that calls `listener` with its share at each hundredth, on a thread of the
+    /// computation. If it returns `false`, the computation is cancelled.
+    pub fn reported_to(listener: impl Fn(f64) -> bool + Send + Sync + 'static) -> Self {
+        Self { listener: Some(Listener(Box::new(listener))), ..Self::default() }
+    }
+
     /// The share that is done.
     pub fn share(&self) -> f64 {
         f64::from(self.done.load(Ordering::Relaxed)) / STEPS
@@ -48,9 +68,15 @@ impl<'a> Stage<'a> {
 
     /// Reports that this share of the stage is done.
     pub fn reach(self, share: f64) {
-        if let Some(Progress { done, .. }) = self.progress {
-            // A cast saturates, and NaN, which `clamp` keeps, becomes 0.
-            done.fetch_max(((self.start + share.clamp(0.0, 1.0) * self.length) * STEPS) as u32, Ordering::Relaxed);
+        let Some(progress) = self.progress else { return };
+        // A cast saturates, and NaN, which `clamp` keeps, becomes 0.
+        let reached = ((self.start + share.clamp(0.0, 1.0) * self.length) * STEPS) as u32;
+        let before = progress.done.fetch_max(reached, Ordering::Relaxed);
+        if let Some(Listener(listener)) = &progress.listener
+            && reached / HUNDREDTH > before / HUNDREDTH
+            && !listener(f64::from(reached) / STEPS)
+        {
+            progress.cancel();
         }
     }
 
@@ -83,6 +109,8 @@ impl Steps<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::{Arc, Mutex};
+
     use super::*;
 
     #[test]
@@ -100,5 +128,21 @@ mod tests {
         Stage::default().steps(0).take();
         progress.cancel();
         assert!(stage.is_cancelled() && !Stage::default().is_cancelled());
+    }
+    #[test]
+    fn a_listener_hears_each_hundredth_once_and_may_cancel() {
+        let heard = Arc::new(Mutex::new(Vec::new()));
+        let ears = Arc::clone(&heard);
+        let progress = Progress::reported_to(move |share| {
+            ears.lock().expect("one thread").push(share);
+            share < 0.5
+        });
+        for share in [0.001, 0.2, 0.2001, 0.1, 0.4] {
+            progress.whole().reach(share);
+        }
+        assert!(!progress.whole().is_cancelled());
+        progress.whole().reach(0.5);
+        assert!(progress.whole().is_cancelled());
+        assert_eq!(*heard.lock().expect("one thread"), [0.2, 0.4, 0.5]);
     }
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import builtins
 import doctest
 import importlib
 import multiprocessing
@@ -40,6 +41,7 @@ def test_the_tests_run_from_the_wheel():
 def test_the_wheel_holds_all_licences():
     files = {path.name: path for path in metadata.files("hullmap") or [] if "licenses" in path.parts}
     assert {"LICENSE-MIT", "LICENSE-APACHE", "LICENSES-OF-DEPENDENCIES.txt"} <= set(files)
+    assert {"CITATION.cff", "SECURITY.md"} <= set(files)
     text = files["LICENSES-OF-DEPENDENCIES.txt"].read_text()
     headings = dict(re.findall(r"^==== (\S+) \S+: (.+)$", text, re.MULTILINE))
     # Some that are surely compiled in, and as many as such a library has.
@@ -49,6 +51,13 @@ def test_the_wheel_holds_all_licences():
     assert "Its files are not in the registry" not in text and "hullmap-format" not in headings
     declared = metadata.metadata("hullmap").get_all("License-File") or []
     assert any(name.endswith("LICENSES-OF-DEPENDENCIES.txt") for name in declared), declared
+
+
+def test_a_star_import_shadows_no_builtin():
+    imported: dict[str, object] = {}
+    exec("from hullmap import *", imported)
+    assert "bake" in imported and not set(imported) & set(dir(builtins))
+    assert callable(hullmap.open)
 
 
 def test_examples_in_docstrings_run():

@@ -156,7 +156,7 @@ impl DrawnTriangles {
             ..DisplayMesh::default()
         };
         let triangles = 0..mesh.triangle_count();
-        let groups = edges_by_class(triangles.filter_map(|at| mesh.corners(at).zip(mesh.edge_classes(at))));
+        let groups = EdgeClass::group(triangles.filter_map(|at| mesh.corners(at).zip(mesh.edge_classes(at))));
         let (thinned, drawn) = whole.with_groups(MAX_TRIANGLES, &groups);
         let classes = EdgeClass::ALL.iter().zip(&groups).zip(&drawn);
         let classes: Vec<DrawnClass> = classes
@@ -177,22 +177,6 @@ impl DrawnTriangles {
     pub(crate) fn shown(&self) -> usize {
         self.mesh.shown
     }
-}
-
-/// The edges of each class, each once, in the order of [`EdgeClass::ALL`], in O(n log n).
-/// `triangles` are corners, and the classes of the edges from each to the next.
-pub fn edges_by_class(triangles: impl IntoIterator<Item = ([u32; 3], [EdgeClass; 3])>) -> Vec<Vec<[u32; 2]>> {
-    let mut groups = vec![Vec::new(); EdgeClass::ALL.len()];
-    for ([a, b, c], classes) in triangles {
-        for ([from, to], class) in [[a, b], [b, c], [c, a]].into_iter().zip(classes) {
-            groups[usize::from(class.code())].push([from.min(to), from.max(to)]);
-        }
-    }
-    for edges in &mut groups {
-        edges.sort_unstable();
-        edges.dedup();
-    }
-    groups
 }
 
 fn mesh_facts(mesh: &TriangleMesh, bytes: usize, t_junctions: usize) -> Vec<(&'static str, String)> {

@@ -1,10 +1,10 @@
-// The entry of the package in Node, whose `fetch` reads no files: `init()` reads the module itself.
+// The entry of the module in Node, whose `fetch` reads no files: `init()` reads the module itself.
 
 import { readFile } from "node:fs/promises";
-import load from "./hullmap.js";
+import load from "./MODULE.js";
 
-export * from "./hullmap.js";
+export * from "./MODULE.js";
 
 export default async function init(source) {
-  return load(source ?? { module_or_path: await readFile(new URL("hullmap_bg.wasm", import.meta.url)) });
+  return load(source ?? { module_or_path: await readFile(new URL("MODULE_bg.wasm", import.meta.url)) });
 }

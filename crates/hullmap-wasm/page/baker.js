@@ -3,58 +3,64 @@
 /** A failure of the baker that does not depend on the file. */
 class BakerEnded extends Error {}
 
+/** The bake was cancelled. */
+class BakeCancelled extends Error {}
+
 class Baker {
   #source;
-  #module;
   #worker = null;
-  /** Bakes without an answer, by number: what was posted, and the functions of its promise. */
+  /** Why the worker does not run in this browser. */
+  #failure = null;
+  /** Bakes without an answer, by number: what was posted, and the functions that hear of it. */
   #open = new Map();
   #count = 0;
 
-  /** `source` is the text of the worker, bindings first; `module` is compiled. */
+  /** `source` is the text of the worker; `module` are the bytes of the baker. */
   constructor(source, module) {
     this.#source = source;
-    this.#module = module;
+    this.module = module;
     this.#start();
   }
 
-  /** Without workers, it bakes on the thread of the page, which blocks meanwhile. */
-  get hasWorker() {
-    return this.#worker !== null;
-  }
-
   #start() {
-    try {
-      // A page that was opened from disk may not load a worker from a file, but from its own text.
-      const url = URL.createObjectURL(new Blob([this.#source], { type: "text/javascript" }));
-      const worker = new Worker(url);
-      URL.revokeObjectURL(url);
-      // Ignore what a worker posted before it was ended.
-      worker.onmessage = ({ data }) => worker === this.#worker && this.#answer(data);
-      worker.onerror = (event) => {
-        event.preventDefault();
-        this.#giveUp();
-      };
-      this.#worker = worker;
-      worker.postMessage({ module: this.#module });
-    } catch {
-      this.#giveUp();
-    }
+    // A page that was opened from disk may not load a worker from a file, but from its own text.
+    const url = URL.createObjectURL(new Blob([this.#source], { type: "text/javascript" }));
+    const worker = new Worker(url);
+    URL.revokeObjectURL(url);
+    // Ignore what a worker posted before it was ended.
+    worker.onmessage = ({ data }) => worker === this.#worker && this.#answer(data);
+    worker.onerror = (event) => {
+      event.preventDefault();
+      this.#failure = new BakerEnded(event.message);
+      this.#rejectAll(this.#failure);
+    };
+    this.#worker = worker;
+    worker.postMessage({ module: this.module });
   }
 
-  /** Bakes a mesh file: pack, positions, triangles, notes, warnings and milliseconds. */
-  bake(file, bytes, options) {
+  /**
+   * Does what the worker has under this name: `mesh`, `level` or `map`. `hear` is called with the share
+   * that is done.
+   */
+  run(kind, words, hear) {
     return new Promise((resolve, reject) => {
-      const id = this.#count++;
-      const job = { id, file, bytes, options };
-      this.#open.set(id, { job, resolve, reject });
-      if (this.#worker) this.#worker.postMessage(job);
-      else this.#here(id);
+      if (this.#failure) return reject(this.#failure);
+      const id = this.#count++, job = { id, kind, words };
+      this.#open.set(id, { job, resolve, reject, hear });
+      this.#worker.postMessage(job);
     });
   }
 
-  #answer({ id, answer, ended, message }) {
-    const { resolve, reject } = this.#open.get(id);
+  /** Ends all bakes. A decomposition does not look for messages, so its worker ends with it. */
+  cancel() {
+    this.#worker.terminate();
+    this.#rejectAll(new BakeCancelled("cancelled"));
+    this.#start();
+  }
+
+  #answer({ id, share, answer, ended, message }) {
+    const { resolve, reject, hear } = this.#open.get(id);
+    if (share !== undefined) return hear?.(share);
     this.#open.delete(id);
     if (answer) return resolve(answer);
     reject(ended ? new BakerEnded(message) : new Error(message));
@@ -62,30 +68,11 @@ class Baker {
     // A new worker has new memory. It bakes what the old one has not begun.
     this.#worker.terminate();
     this.#start();
-    if (this.#worker) for (const { job } of this.#open.values()) this.#worker.postMessage(job);
+    for (const { job } of this.#open.values()) this.#worker.postMessage(job);
   }
 
-  /** The worker does not run in this browser. */
-  #giveUp() {
-    this.#worker?.terminate();
-    this.#worker = null;
-    for (const id of [...this.#open.keys()]) this.#here(id);
-  }
-
-  /** Bakes on this thread, after the message is on the screen. */
-  #here(id) {
-    setTimeout(() => {
-      const { job, resolve, reject } = this.#open.get(id);
-      this.#open.delete(id);
-      try {
-        const start = performance.now();
-        const baked = wasm_bindgen.bake(job.file, job.bytes, job.options);
-        const { pack, positions, triangles, notes, warnings } = baked;
-        baked.free();
-        resolve({ pack, positions, triangles, notes, warnings, millis: performance.now() - start });
-      } catch (error) {
-        reject(error);
-      }
-    }, 30);
+  #rejectAll(error) {
+    for (const { reject } of this.#open.values()) reject(error);
+    this.#open.clear();
   }
 }

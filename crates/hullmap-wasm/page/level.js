@@ -5,6 +5,7 @@
   const canvas = get("level-view"), view = openView(canvas), camera = new Camera();
   let level = null, drawn = null, bodies = [], touched = null;
 
+  const { bake, inWords } = window.hullmapPage;
   const say = (text) => {
     get("error").hidden = !text;
     get("error").firstElementChild.textContent = text;
@@ -54,7 +55,7 @@
 
   // The level.
 
-  function show(opened, file) {
+  function show(opened, file, warnings) {
     if (view && drawn) for (const mesh of [drawn.mesh, ...drawn.classes]) view.forget(mesh);
     removeAll();
     level?.free();
@@ -82,7 +83,7 @@
       }),
     );
     get("level-remarks").replaceChildren(
-      ...level.warnings.map((text) => {
+      ...warnings.map((text) => {
         const item = document.createElement("li");
         [item.className, item.textContent] = ["odd", text];
         return item;
@@ -91,7 +92,7 @@
   }
 
   let loads = 0;
-  function load(file, bytes) {
+  async function load(file, bytes) {
     say("");
     try {
       if (!bytes.length) throw new Error(`${file}: the file is empty; choose a level`);
@@ -99,10 +100,12 @@
       const scale = Number(get("level-scale").value.trim() || 1);
       if (!(scale > 0)) throw new Error("The scale of the level must be a number above 0.");
       const options = { unitScale: scale, upAxis: get("level-up").value };
-      show(isBaked ? new wasm_bindgen.Level(bytes) : wasm_bindgen.Level.bake(file, bytes, options), file);
+      const baked = isBaked ? null : await bake("level", file, bytes, options);
+      const opened = new wasm_bindgen.Level(baked ? baked.bytes : bytes);
+      show(opened, file, baked ? baked.warnings : opened.warnings);
       known = { file, bytes };
     } catch (error) {
-      say(error instanceof WebAssembly.RuntimeError ? "The page ran out of memory, or has a fault. Reload it before you go on." : error.message);
+      say(inWords(error));
     }
     document.documentElement.dataset.levels = ++loads;
     redraw();
@@ -112,7 +115,7 @@
   async function loadFile(file) {
     if (!file) return;
     get("level-sample").value = "";
-    load(file.name, new Uint8Array(await file.arrayBuffer()));
+    await load(file.name, new Uint8Array(await file.arrayBuffer()));
   }
   const loadSample = (key) => load(`${key}.obj`, new TextEncoder().encode(LEVELS[key].make()));
 
@@ -152,8 +155,8 @@
       const [half, radius] = [0.3 * size, 0.2 * size];
       return [wasm_bindgen.Shape.capsule(half, radius), turned([...arc(radius, -Math.PI / 2, 0, -half), ...arc(radius, 0, Math.PI / 2, half)], 24)];
     },
-    hull: (size) => {
-      const hull = new wasm_bindgen.Pack(wasm_bindgen.bake("b.obj", bytesOfHull(size), {}).pack).hull(0);
+    hull: async (size) => {
+      const hull = new wasm_bindgen.Pack((await bake("mesh", "b.obj", bytesOfHull(size), {})).pack).hull(0);
       return [hull, { points: hull.vertices(), triangles: hull.triangles(), edges: hull.edges() }];
     },
   };
@@ -182,22 +185,23 @@
 
   /** Places of bodies that are dropped, one after the other: they cover the level evenly. */
   let count = 0;
-  function drop() {
+  async function drop() {
     const size = Number(get("level-size").value);
     if (!level || !(size > 0)) return say("The size of a body must be a number above 0.");
     say("");
     try {
-      const [shape, mesh] = KINDS[get("level-body").value](size);
+      const kind = get("level-body").value, [shape, mesh] = await KINDS[kind](size);
       const bounds = level.bounds, share = [0.7548776662, 0.5698402909].map((step) => 0.1 + 0.8 * ((0.5 + step * count) % 1));
       const turn = quaternionOf([137, 63, 211].map((degrees) => degrees * count)), index = count++;
       const at = [0, 1].map((axis) => bounds[axis] + share[axis] * (bounds[axis + 3] - bounds[axis]));
       const pair = new wasm_bindgen.Pair(level, shape);
-      const body = { name: `${get("level-body").value} ${index + 1}`, size, shape, mesh, pair, numbers: [...at, bounds[5] + size, ...turn], found: null };
+      const body = { name: `${kind} ${index + 1}`, size, shape, mesh, pair, numbers: [...at, bounds[5] + size, ...turn], found: null };
       bodies.push(body);
       fall(body);
     } catch (error) {
-      say(error.message);
+      say(inWords(error));
     }
+    document.documentElement.dataset.drops = count;
     redraw();
   }
 
@@ -431,12 +435,13 @@
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", repaint);
   readColours();
   choice.value = "hills";
-  loadSample("hills");
-  for (const kind of ["box", "ball", "capsule"]) {
-    get("level-body").value = kind;
-    drop();
-  }
-  get("level-body").value = "box";
+  loadSample("hills").then(async () => {
+    for (const kind of ["box", "ball", "capsule"]) {
+      get("level-body").value = kind;
+      await drop();
+    }
+    get("level-body").value = "box";
+  });
   /** For tests: what is on the picture, the bytes of the level, and where the chosen body is seen. */
   window.hullmapLevel = {
     drawn: () => (draw(), view ? view.share() : 0),

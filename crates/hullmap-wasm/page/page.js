@@ -2,12 +2,10 @@
 {
   const get = (id) => document.getElementById(id);
   const root = document.documentElement;
-  const wasm = get("wasm");
-  const module = new WebAssembly.Module(bytesOf(wasm.textContent));
-  wasm_bindgen.initSync({ module });
-  const baker = new Baker(`${get("bindings").textContent}\n${get("worker").textContent}`, module);
-  root.dataset.worker = baker.hasWorker;
-  wasm.remove();
+  const [wasm, bakerWasm] = ["wasm", "baker-wasm"].map(get);
+  wasm_bindgen.initSync({ module: bytesOf(wasm.textContent) });
+  const baker = new Baker(get("worker").textContent, bytesOf(bakerWasm.textContent));
+  for (const element of [wasm, bakerWasm]) element.remove();
 
   /** Bodies by name: file, pack, hull, and what the view draws. */
   const bodies = { a: null, b: null };
@@ -27,6 +25,7 @@
 
   /** A sentence for people. */
   function inWords(error) {
+    if (error instanceof BakeCancelled) return "";
     if (error instanceof BakerEnded) {
       return "The baker failed on this file, or ran out of memory. Bake it with the command bake.";
     }
@@ -42,12 +41,15 @@
   // Bodies.
 
   function chosenOptions(which) {
-    const options = { split: get("split").value, index: get("index").value, upAxis: get(`up-${which}`).value };
+    const split = get("split").value, isParts = split === "parts";
+    const options = { split: isParts ? "none" : split, decompose: isParts, index: get("index").value, upAxis: get(`up-${which}`).value };
     const scale = Number(get(`scale-${which}`).value.trim() || 1);
     if (!(scale > 0)) throw new Error(`The scale of body ${which.toUpperCase()} must be a number above 0.`);
     options.unitScale = scale;
     const most = get("max-vertices").value.trim();
     if (most) options.maxVertices = Number(most);
+    const parts = get("max-parts").value.trim();
+    if (isParts && parts) options.maxParts = Number(parts);
     return options;
   }
 
@@ -66,21 +68,52 @@
     if (view && body.shape) view.forget(body.shape);
     body.hull = body.open.hull(index);
     body.index = index;
-    const bounds = body.hull.bounds;
-    body.centre = [0, 1, 2].map((axis) => (bounds[axis] + bounds[axis + 3]) / 2);
-    body.radius = Math.max(Math.hypot(...[0, 1, 2].map((axis) => bounds[axis + 3] - bounds[axis])) / 2, 1e-30);
-    body.shape = { points: body.hull.vertices(), triangles: body.hull.triangles(), edges: body.hull.edges() };
+    // A decomposed mesh is one body. The chosen part has the facts and the Gauss map.
+    const isParts = body.hull.partCount > 0;
+    body.whole = isParts ? body.open : body.hull;
+    const hulls = isParts ? Array.from({ length: body.open.hullCount }, (_, i) => body.open.hull(i)) : [body.hull];
+    body.shape = joined(hulls);
+    const all = hulls.map((hull) => hull.bounds);
+    body.bounds = [0, 1, 2, 3, 4, 5].map((i) => (i < 3 ? Math.min : Math.max)(...all.map((bounds) => bounds[i])));
+    body.centre = [0, 1, 2].map((axis) => (body.bounds[axis] + body.bounds[axis + 3]) / 2);
+    body.radius = Math.max(Math.hypot(...[0, 1, 2].map((axis) => body.bounds[axis + 3] - body.bounds[axis])) / 2, 1e-30);
+  }
+
+  /** What is drawn of hulls. */
+  function joined(hulls) {
+    const [points, triangles, edges] = [[], [], []];
+    for (const hull of hulls) {
+      const first = points.length / 3;
+      for (const coordinate of hull.vertices()) points.push(coordinate);
+      for (const corner of hull.triangles()) triangles.push(first + corner);
+      for (const end of hull.edges()) edges.push(first + end);
+    }
+    return { points: new Float32Array(points), triangles: new Uint32Array(triangles), edges: new Uint32Array(edges) };
   }
 
   let bakes = 0;
+  /** Bakes in the worker, and shows how far it is. */
+  async function bake(kind, file, bytes, options) {
+    bakes++;
+    get("busy").textContent = `Baking ${file} …`;
+    get("progress").value = 0;
+    get("baking").hidden = false;
+    try {
+      return await baker.run(kind, [file, bytes, options], (share) => (get("progress").value = share));
+    } finally {
+      bakes--;
+      if (!bakes) get("busy").textContent = "";
+      get("baking").hidden = !bakes;
+    }
+  }
+  get("cancel").addEventListener("click", () => baker.cancel());
+
   /** Bakes a mesh and makes it body `which`. The page stays responsive. */
   async function load(which, file, bytes) {
     fail("");
-    bakes++;
-    get("busy").textContent = `Baking ${file} …`;
     try {
       if (!bytes.length) throw new Error(`${file}: the file is empty; choose an OBJ, STL, PLY, GLB, glTF, DAE or MSH file`);
-      const baked = await baker.bake(file, bytes, chosenOptions(which));
+      const baked = await bake("mesh", file, bytes, chosenOptions(which));
       setBody(which, file, bytes, baked);
       // The first body A is also body B.
       if (!bodies.b) setBody("b", file, bytes, baked);
@@ -88,8 +121,6 @@
     } catch (error) {
       fail(inWords(error));
     }
-    bakes--;
-    if (!bakes) get("busy").textContent = "";
     root.dataset.loads = Number(root.dataset.loads || 0) + 1;
   }
 
@@ -111,13 +142,13 @@
   };
 
   function bodiesChanged(which) {
-    pair = new wasm_bindgen.Pair(bodies.a.hull, bodies.b.hull);
+    pair = new wasm_bindgen.Pair(bodies.a.whole, bodies.b.whole);
     times.frame.length = times.query.length = 0;
     showFacts();
     showSizes();
     if (which === "a") {
       showRemarks();
-      showMap();
+      showMap().catch((error) => fail(inWords(error)));
     }
     course.begin(pair, bodies.a, bodies.b);
     placeBeside();
@@ -129,6 +160,7 @@
     const rows = [
       ["Body A", a.file],
       ["Source points", grouped(a.hull.sourcePointCount)],
+      ...(a.hull.partCount ? [["Convex parts", grouped(a.hull.partCount)]] : []),
       ["Hull vertices", grouped(a.hull.vertexCount)],
       ["Hull faces", grouped(a.hull.faceCount)],
       ["Volume", digits(a.hull.volume, 6)],
@@ -193,7 +225,7 @@
     pose.turn = [0, 0, 0];
     pose.at = plus(a.centre, b.centre, -1);
     // Where A and B overlap by a little, along x.
-    const reach = (a.hull.bounds[3] - a.hull.bounds[0] + b.hull.bounds[3] - b.hull.bounds[0]) / 2;
+    const reach = (a.bounds[3] - a.bounds[0] + b.bounds[3] - b.bounds[0]) / 2;
     pose.at[0] += 0.9 * reach;
     pair.forget();
     showPose();
@@ -392,7 +424,7 @@
       return;
     }
     const { a, b } = bodies;
-    const extent = (body, axis) => body.hull.bounds[axis + 3] - body.hull.bounds[axis];
+    const extent = (body, axis) => body.bounds[axis + 3] - body.bounds[axis];
     const mean = (body) => (extent(body, 0) + extent(body, 1) + extent(body, 2)) / 6;
     times.frame.length = times.query.length = 0;
     motion = { start: performance.now(), centre: plus(a.centre, b.centre, -1), reach: mean(a) + mean(b) };
@@ -512,7 +544,8 @@
     });
   }
   const again = (which) => bodies[which] && load(which, bodies[which].file, bodies[which].bytes);
-  for (const id of ["split", "index", "max-vertices"]) get(id).addEventListener("change", () => again("a"));
+  get("split").addEventListener("change", (event) => (get("max-parts-row").hidden = event.target.value !== "parts"));
+  for (const id of ["split", "index", "max-vertices", "max-parts"]) get(id).addEventListener("change", () => again("a"));
   for (const which of ["a", "b"]) {
     for (const id of ["scale", "up"]) get(`${id}-${which}`).addEventListener("change", () => again(which));
   }
@@ -554,8 +587,10 @@
   // Gauss map.
 
   let gauss = null;
-  function showMap() {
-    const { faces, map } = bodies.a.hull.gaussMap(160);
+  async function showMap() {
+    const { hull, pack, index } = bodies.a;
+    const { faces, map } = await baker.run("map", [pack, index, 160]);
+    if (hull !== bodies.a.hull) return;
     gauss ??= new GaussView(get("gauss"), faces, tell);
     gauss.show(map);
     gauss.draw();
@@ -623,6 +658,8 @@
       return performance.now() - start;
     },
     pack: () => bodies.a.pack,
+    bake,
+    inWords,
     pointsOfB: () => bodies.b.hull.vertices(),
   };
 }

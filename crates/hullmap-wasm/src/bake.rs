@@ -1,12 +1,15 @@
-//! From a mesh to a pack: the bytes of a mesh file, or arrays. The command's own code bakes.
+//! From a mesh to a pack or a level: the bytes of a mesh file, or arrays. The command's own code
+//! bakes.
 
 use std::path::Path;
 
 use hullmap_import::{Imported, MeshArrays, Polygons, SourceFile};
-use hullmap_pipeline::{BakedPack, InMemoryError, Stage, bake_arrays, bake_source};
+use hullmap_pipeline::triangle_mesh::BakedTriangles;
+use hullmap_pipeline::{BakedPack, InMemoryError, Progress, bake_arrays, bake_source};
+use js_sys::{Function, JSON};
 use wasm_bindgen::prelude::*;
 
-use crate::object::{error, rows_of};
+use crate::input::{error, rows_of};
 use crate::options::{BakeOptions, Options, in_javascript};
 
 /// A baked mesh: the pack, the mesh to draw, and the findings of the import and the bake.
@@ -41,13 +44,13 @@ impl Baked {
     /// Findings of interest, a sentence each.
     #[wasm_bindgen(getter)]
     pub fn notes(&self) -> Vec<String> {
-        self.pack.notes.iter().map(|note| in_javascript(note, false)).collect()
+        sentences(&self.pack.notes)
     }
 
     /// Findings to act on, a sentence each.
     #[wasm_bindgen(getter)]
     pub fn warnings(&self) -> Vec<String> {
-        self.pack.warnings.iter().map(|warning| in_javascript(warning, false)).collect()
+        sentences(&self.pack.warnings)
     }
 }
 
@@ -56,23 +59,35 @@ impl Baked {
 /// `file` is the name of the file, whose extension selects the format. The pack has the same bytes
 /// as the pack that `bake build` saves in the folder of the mesh, with the same options.
 ///
+/// `onProgress` is called with the share that is done, from 0 to 1, at each hundredth. If it
+/// returns `false` or throws, the bake ends with an error.
+///
 /// # Errors
 /// An option is wrong, the file is faulty, or a hull cannot be built. The message names the fault
 /// and the remedy.
 #[wasm_bindgen]
-pub fn bake(file: &str, bytes: Vec<u8>, options: Option<BakeOptions>) -> Result<Baked, JsError> {
+pub fn bake(
+    file: &str,
+    bytes: Vec<u8>,
+    #[wasm_bindgen(unchecked_optional_param_type = "BakeOptions | null")] options: Option<BakeOptions>,
+    #[wasm_bindgen(js_name = onProgress, unchecked_optional_param_type = "OnProgress | null")] listener: Option<
+        Function,
+    >,
+) -> Result<Baked, JsError> {
     let options = Options::read(options.as_ref())?;
     if options.name().is_some() {
         return Err(error("option name: the hulls of a file have its names; leave out the option"));
     }
-    baked(bake_source(Path::new(file), &SourceFile::alone(bytes), &options.pairs(), Stage::default()))
+    let progress = progress_for(listener);
+    baked(bake_source(Path::new(file), &SourceFile::alone(bytes), &options.pairs(), progress.whole()))
 }
 
 /// Bakes a mesh from arrays, for instance of a geometry of three.js.
 ///
 /// `positions` has three numbers for each vertex; they are rounded to 32-bit floats once. `indices`
 /// has three indices of vertices for each triangle. Without it, the mesh is a point cloud, which
-/// cannot be decomposed. The option `name` is the name of the hull, "mesh" by default.
+/// cannot be decomposed. The option `name` is the name of the hull, "mesh" by default. `onProgress`
+/// is described at `bake`.
 ///
 /// # Errors
 /// An array or an option is wrong, or a hull cannot be built. The message names the fault and the
@@ -83,6 +98,9 @@ pub fn bake_mesh(
     // As f64, because a typed array of u32 would make an index out of −1, 0.5 or NaN.
     #[wasm_bindgen(unchecked_optional_param_type = "ArrayLike<number> | null")] indices: Option<Vec<f64>>,
     #[wasm_bindgen(unchecked_optional_param_type = "BakeOptions | null")] options: Option<BakeOptions>,
+    #[wasm_bindgen(js_name = onProgress, unchecked_optional_param_type = "OnProgress | null")] listener: Option<
+        Function,
+    >,
 ) -> Result<Baked, JsError> {
     let options = Options::read(options.as_ref())?;
     let name = options.name().unwrap_or("mesh");
@@ -91,7 +109,75 @@ pub fn bake_mesh(
         None => Polygons::default(),
     };
     let mesh = MeshArrays { name: String::new(), positions: rows_of("positions", positions)?.to_vec(), faces };
-    baked(bake_arrays(name, vec![mesh], &options.pairs(), Stage::default()))
+    let progress = progress_for(listener);
+    baked(bake_arrays(name, vec![mesh], &options.pairs(), progress.whole()))
+}
+
+/// A baked level, which keeps its triangles.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct BakedLevel(BakedTriangles);
+
+#[wasm_bindgen]
+impl BakedLevel {
+    /// Bytes of the level, to open as a `Level` or to save as a `.hullmesh` file.
+    #[wasm_bindgen(getter)]
+    pub fn bytes(&self) -> Vec<u8> {
+        self.0.bytes.clone()
+    }
+
+    /// Findings of interest, a sentence each.
+    #[wasm_bindgen(getter)]
+    pub fn notes(&self) -> Vec<String> {
+        sentences(&self.0.notes)
+    }
+
+    /// Findings to act on, a sentence each. The file keeps them.
+    #[wasm_bindgen(getter)]
+    pub fn warnings(&self) -> Vec<String> {
+        sentences(&self.0.warnings)
+    }
+}
+
+/// Bakes a mesh file, and keeps its triangles: OBJ, STL, PLY, COLLADA, MSH, GLB, or glTF with its
+/// buffers inside. The options are `unitScale`, `upAxis` and `recentre`.
+///
+/// The level has the bytes that `bake build --keep-triangles` writes into the folder of the mesh.
+///
+/// # Errors
+/// An option is wrong, the file is faulty, or it has no triangles.
+#[wasm_bindgen(js_name = bakeLevel)]
+pub fn bake_level(
+    file: &str,
+    bytes: Vec<u8>,
+    #[wasm_bindgen(unchecked_optional_param_type = "BakeOptions | null")] options: Option<BakeOptions>,
+) -> Result<BakedLevel, JsError> {
+    let options = Options::read(options.as_ref())?;
+    let baked = hullmap_pipeline::bake_level(Path::new(file), &SourceFile::alone(bytes), &options.pairs());
+    baked.map(BakedLevel).map_err(fault)
+}
+
+/// The Gauss map of a hull of a pack with the cells of its index, as the script of hullmap's pages
+/// draws it: `faces`, the layout of the cube's faces, and `map`. `resolution` is the number of
+/// pixels along a face's edge, 32 to 256.
+///
+/// # Errors
+/// The bytes are not a pack, or it has no such hull.
+#[wasm_bindgen(js_name = gaussMap)]
+pub fn gauss_map(pack: &[u8], hull: usize, resolution: u32) -> Result<JsValue, JsError> {
+    let pack = hullmap::Pack::from_bytes(pack).map_err(error)?;
+    let text = hullmap_report::gauss_map_json(&pack, hull, resolution);
+    let text = text.ok_or_else(|| error(format!("there is no hull {hull}: the pack has {}", pack.hull_count())))?;
+    JSON::parse(&text).map_err(|_| error("internal error: invalid JSON; please report it"))
+}
+
+/// A progress that calls a listener.
+fn progress_for(listener: Option<Function>) -> Progress {
+    listener.map_or_else(Progress::default, |listener| {
+        Progress::reported_to(move |share| {
+            listener.call1(&JsValue::NULL, &share.into()).is_ok_and(|answer| answer != JsValue::FALSE)
+        })
+    })
 }
 
 /// Faces of a triangle mesh, whose indices are checked.
@@ -116,10 +202,7 @@ fn triangles(indices: &[f64], vertex_count: usize) -> Result<Polygons, JsError> 
 }
 
 fn baked(result: Result<(BakedPack, Imported), InMemoryError>) -> Result<Baked, JsError> {
-    let (pack, mut imported) = result.map_err(|fault| {
-        let is_about_options = matches!(fault, InMemoryError::Option(_));
-        error(in_javascript(&fault.to_string(), is_about_options))
-    })?;
+    let (pack, mut imported) = result.map_err(fault)?;
     imported.give_triangles();
     // The points and triangles of all point sets, one after the other.
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
@@ -130,4 +213,13 @@ fn baked(result: Result<(BakedPack, Imported), InMemoryError>) -> Result<Baked, 
         triangles.extend(set.triangles.iter().flatten().map(|corner| first + corner));
     }
     Ok(Baked { pack, positions, triangles })
+}
+
+/// Messages with the options by their names in JavaScript.
+fn sentences(messages: &[String]) -> Vec<String> {
+    messages.iter().map(|message| in_javascript(message, false)).collect()
+}
+
+fn fault(fault: InMemoryError) -> JsError {
+    error(in_javascript(&fault.to_string(), matches!(fault, InMemoryError::Option(_))))
 }

@@ -1,20 +1,16 @@
 //! Levels, which keep their triangles: triangle meshes and height fields.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use hullmap::compound::SharedSheet;
 use hullmap::glam::Vec3;
 use hullmap::{Cache, CastSettings, EdgeClass, HeightField, Motion, SharedGeometry, TriangleMesh};
-use hullmap_import::SourceFile;
-use hullmap_pipeline::{InMemoryError, bake_level};
-use hullmap_report::surface::edges_by_class;
 use js_sys::{Float64Array, Uint32Array};
 use wasm_bindgen::prelude::*;
 
-use crate::object::{Plain, error, vector_from};
-use crate::options::{BakeOptions, Options, in_javascript};
-use crate::pair::pose_of;
+use crate::input::error;
+use crate::object::{Plain, vector_from};
+use crate::pair::{pose_of, query};
 use crate::shape::{Body, Shape, geometry_of};
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -40,8 +36,6 @@ extern "C" {
 pub struct Level {
     sheet: SharedSheet,
     drawn: Drawn,
-    notes: Vec<String>,
-    warnings: Vec<String>,
 }
 
 /// Arrays to draw.
@@ -82,7 +76,7 @@ impl Drawn {
         Self {
             vertices: vertices.flat_map(|vertex| vertex.to_array()).collect(),
             triangles: triangles.iter().flat_map(|(corners, _)| *corners).collect(),
-            edges: edges_by_class(triangles),
+            edges: EdgeClass::group(triangles),
         }
     }
 }
@@ -100,28 +94,7 @@ impl Level {
         } else {
             SharedSheet::Mesh(Arc::new(TriangleMesh::from_bytes(bytes).map_err(error)?))
         };
-        let warnings = match &sheet {
-            SharedSheet::Mesh(mesh) => mesh.warnings().map(str::to_owned).collect(),
-            SharedSheet::Field(field) => field.warnings().map(str::to_owned).collect(),
-        };
-        Ok(Self { drawn: Drawn::new(&sheet), sheet, notes: Vec::new(), warnings })
-    }
-
-    /// Bakes a mesh file, and keeps its triangles: OBJ, STL, PLY, COLLADA, MSH, GLB, or glTF with
-    /// its buffers inside. The options are `unitScale`, `upAxis` and `recentre`.
-    ///
-    /// `bytes` of the level are those that `bake build --keep-triangles` writes into the folder of
-    /// the mesh.
-    ///
-    /// # Errors
-    /// An option is wrong, the file is faulty, or it has no triangles.
-    pub fn bake(file: &str, bytes: Vec<u8>, options: Option<BakeOptions>) -> Result<Level, JsError> {
-        let options = Options::read(options.as_ref())?;
-        let baked = bake_level(Path::new(file), &SourceFile::alone(bytes), &options.pairs())
-            .map_err(|fault| error(in_javascript(&fault.to_string(), matches!(fault, InMemoryError::Option(_)))))?;
-        let mut level = Self::new(&baked.bytes)?;
-        (level.notes, level.warnings) = (baked.notes, baked.warnings);
-        Ok(level)
+        Ok(Self { drawn: Drawn::new(&sheet), sheet })
     }
 
     /// The bytes of the file, to save or to open again.
@@ -158,16 +131,13 @@ impl Level {
         Float64Array::from(corners.map(|corner| corner.to_array()).concat().as_slice())
     }
 
-    /// Findings of interest of its bake, a sentence each.
-    #[wasm_bindgen(getter)]
-    pub fn notes(&self) -> Vec<String> {
-        self.notes.iter().map(|note| in_javascript(note, false)).collect()
-    }
-
-    /// Findings to act on, a sentence each. The file keeps them.
+    /// Findings of its bake to act on, a sentence each, as the file records them.
     #[wasm_bindgen(getter)]
     pub fn warnings(&self) -> Vec<String> {
-        self.warnings.iter().map(|warning| in_javascript(warning, false)).collect()
+        match &self.sheet {
+            SharedSheet::Mesh(mesh) => mesh.warnings().map(str::to_owned).collect(),
+            SharedSheet::Field(field) => field.warnings().map(str::to_owned).collect(),
+        }
     }
 
     /// Vertices to draw, three numbers each.
@@ -215,7 +185,8 @@ impl Level {
         let motion = Motion::new(vector_from("velocity", velocity)?).map_err(error)?;
         let usual = CastSettings::default();
         let settings = CastSettings { max_t: max_t.unwrap_or(usual.max_t), ..usual };
-        let found = hullmap::cast(&self.sheet, &body, pose, motion, &settings, &mut Cache::new());
+        let level = SharedGeometry::Sheet(self.sheet.clone());
+        let found = query!(&level, &body, |a, b| hullmap::cast(&a, &b, pose, motion, &settings, &mut Cache::new()));
         Ok(Plain::from_answer(&found).done())
     }
 }

@@ -1,40 +1,43 @@
-//! hullmap for the browser: bakes meshes into packs, opens packs, and answers queries on hulls.
+//! hullmap for the browser: opens packs and answers queries on hulls, or bakes meshes into packs.
 //!
 //! This is the border to JavaScript. Numbers go in and out as typed arrays, answers as plain
 //! objects, errors as `Error` with the message of the Rust library. The npm package made of it
-//! (`./build`) has TypeScript types.
+//! (`./build`) has TypeScript types. Its two modules are builds with one feature each.
 //!
-//! | module | concept |
-//! |---|---|
-//! | `bake` | a mesh file or arrays to a pack |
-//! | `options` | options of a bake: a JavaScript object to the options of the command |
-//! | `pack` | packs and hulls |
-//! | `level` | triangle meshes and height fields |
-//! | `shape` | bodies of queries; rays |
-//! | `pair` | queries on two bodies |
-//! | `motion` | two bodies of which one moves and turns |
-//! | `object` | answers as plain JavaScript objects |
+//! | module | feature | concept |
+//! |---|---|---|
+//! | `bake` | `bake` | a mesh file or arrays to a pack or a level |
+//! | `options` | `bake` | options of a bake: a JavaScript object to the options of the command |
+//! | `pack` | `queries` | packs and hulls |
+//! | `level` | `queries` | triangle meshes and height fields |
+//! | `shape` | `queries` | bodies of queries; rays |
+//! | `pair` | `queries` | queries on two bodies |
+//! | `motion` | `queries` | two bodies of which one moves and turns |
+//! | `object` | `queries` | answers as plain JavaScript objects |
+//! | `input` | both | arrays from JavaScript, and the errors about them |
 
 #![forbid(unsafe_code)]
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+#[cfg(feature = "bake")]
 mod bake;
+mod input;
+#[cfg(feature = "queries")]
 mod level;
+#[cfg(feature = "queries")]
 mod motion;
+#[cfg(feature = "queries")]
 mod object;
+#[cfg(feature = "bake")]
 mod options;
+#[cfg(feature = "queries")]
 mod pack;
+#[cfg(feature = "queries")]
 mod pair;
+#[cfg(feature = "queries")]
 mod shape;
 
 use wasm_bindgen::prelude::*;
-
-pub use bake::{Baked, bake, bake_mesh};
-pub use level::Level;
-pub use motion::pose_between;
-pub use pack::{Hull, Pack};
-pub use pair::QueryPair;
-pub use shape::Shape;
 
 #[wasm_bindgen]
 extern "C" {

@@ -4,8 +4,9 @@ use hullmap::{MotionSettings, Pose, RigidMotion};
 use js_sys::Float64Array;
 use wasm_bindgen::prelude::*;
 
-use crate::object::{Plain, error};
-use crate::pair::{QueryPair, pose_of};
+use crate::input::error;
+use crate::object::Plain;
+use crate::pair::{QueryPair, pose_of, query};
 
 #[wasm_bindgen]
 extern "C" {
@@ -50,7 +51,8 @@ impl QueryPair {
     ) -> Result<ImpactAnswer, JsError> {
         let motion = motion_between(start, end)?;
         let (still, settings) = (RigidMotion::still(Pose::IDENTITY), MotionSettings::default());
-        let found = hullmap::cast_motion(&self.a, &still, &self.b, &motion, &settings, &mut self.cache);
+        let cache = &mut self.cache;
+        let found = query!(&self.a, &self.b, |a, b| hullmap::cast_motion(&a, &still, &b, &motion, &settings, cache));
         Ok(Plain::from_answer(&found).done())
     }
 }

@@ -8,6 +8,8 @@ use hullmap::{Fields, Value};
 use js_sys::{Array, Float64Array, Object, Reflect, Uint8Array, Uint32Array};
 use wasm_bindgen::prelude::*;
 
+use crate::input::error;
+
 /// Types of answers, with the comments of the structs in Rust.
 #[wasm_bindgen(typescript_custom_section)]
 const ANSWERS: &str = include_str!("answers.d.ts");
@@ -169,17 +171,6 @@ pub fn vector_of(vector: DVec3) -> Float64Array {
     Float64Array::from(vector.to_array().as_slice())
 }
 
-/// The rows of an array that has three numbers each.
-///
-/// # Errors
-/// The length is not a multiple of three.
-pub fn rows_of<'n, T>(name: &str, numbers: &'n [T]) -> Result<&'n [[T; 3]], JsError> {
-    match numbers.as_chunks::<3>() {
-        (rows, []) => Ok(rows),
-        _ => Err(error(format!("{name} must have three numbers each, found {} in all", numbers.len()))),
-    }
-}
-
 /// A vector from an array of three numbers.
 ///
 /// # Errors
@@ -188,9 +179,4 @@ pub fn vector_from(name: &str, numbers: &[f64]) -> Result<DVec3, JsError> {
     let found = numbers.len();
     let &[x, y, z] = numbers else { return Err(error(format!("{name}: expected three numbers, found {found}"))) };
     Ok(DVec3::new(x, y, z))
-}
-
-/// An error with a message.
-pub fn error(text: impl std::fmt::Display) -> JsError {
-    JsError::new(&text.to_string())
 }

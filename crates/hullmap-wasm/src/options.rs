@@ -4,10 +4,13 @@
 use js_sys::{Object, Reflect};
 use wasm_bindgen::prelude::*;
 
-use crate::object::error;
+use crate::input::error;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
+/** Called with the share of a bake that is done, from 0 to 1. `false` ends the bake with an error. */
+export type OnProgress = (share: number) => unknown;
+
 /** Options of `bake` and `bakeMesh`: the options of the command. docs/COMMAND.md describes them. */
 export interface BakeOptions {
     /** Name of the hull; only of `bakeMesh`. Default "mesh". */

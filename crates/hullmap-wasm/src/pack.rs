@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use hullmap::SharedHull;
 use hullmap::glam::Vec3;
-use js_sys::{Float64Array, JSON};
+use js_sys::Float64Array;
 use wasm_bindgen::prelude::*;
 
-use crate::object::{Plain, error, rows_of, vector_of};
+use crate::input::{error, rows_of};
+use crate::object::{Plain, vector_of};
 use crate::shape::Shape;
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -400,18 +401,5 @@ impl Hull {
         let directions = rows_of("directions", directions)?;
         let hull = self.0.hull();
         Ok(directions.iter().map(|&dir| hull.support(Vec3::from_array(dir)).index).collect())
-    }
-
-    /// The Gauss map with the cells of the index, as the script of hullmap's pages draws it:
-    /// `faces`, the layout of the cube's faces, and `map`. `resolution` is the number of pixels
-    /// along a face's edge, 32 to 256.
-    ///
-    /// # Errors
-    /// Does not occur with a pack that was opened.
-    #[wasm_bindgen(js_name = gaussMap)]
-    pub fn gauss_map(&self, resolution: u32) -> Result<JsValue, JsError> {
-        let text = hullmap_report::gauss_map_json(self.0.pack(), self.0.index(), resolution);
-        let text = text.ok_or_else(|| error("the pack has no such hull"))?;
-        JSON::parse(&text).map_err(|_| error("internal error: invalid JSON; please report it"))
     }
 }

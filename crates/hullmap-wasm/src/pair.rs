@@ -7,7 +7,8 @@ use hullmap::{
 use js_sys::Array;
 use wasm_bindgen::prelude::*;
 
-use crate::object::{Columns, Plain, error, parts_of, vector_of, word_of};
+use crate::input::error;
+use crate::object::{Columns, Plain, parts_of, vector_of, word_of};
 use crate::shape::{Body, geometry_of};
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -80,17 +81,28 @@ pub struct QueryPair {
     manifolds: CompoundManifolds,
 }
 
+/// A query of two geometries. All kinds of them share its code, which keeps the module small.
+macro_rules! query {
+    ($a:expr, $b:expr, |$one:ident, $other:ident| $query:expr) => {
+        match hullmap::geometry::AnyPair::new($a, $b) {
+            hullmap::geometry::AnyPair::Shapes($one, $other) => $query,
+            hullmap::geometry::AnyPair::Parts($one, $other) => $query,
+        }
+    };
+}
+pub(crate) use query;
+
 impl QueryPair {
     fn find_intersection(&mut self, pose: Pose) -> Intersection {
-        hullmap::intersects(&self.a, &self.b, pose, &mut self.cache)
+        query!(&self.a, &self.b, |a, b| hullmap::intersects(&a, &b, pose, &mut self.cache))
     }
 
     fn find_contact(&mut self, pose: Pose) -> Contact {
-        hullmap::contact(&self.a, &self.b, pose, &Settings::default(), &mut self.cache)
+        query!(&self.a, &self.b, |a, b| hullmap::contact(&a, &b, pose, &Settings::default(), &mut self.cache))
     }
 
     fn find_distance(&mut self, pose: Pose) -> Distance {
-        hullmap::distance(&self.a, &self.b, pose, &Settings::default(), &mut self.cache)
+        query!(&self.a, &self.b, |a, b| hullmap::distance(&a, &b, pose, &Settings::default(), &mut self.cache))
     }
 
     /// The answers of `query` for many poses, each as if it were the first.
@@ -215,7 +227,8 @@ impl QueryPair {
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] pose: &[f64],
     ) -> Result<ContactManifold, JsError> {
-        let counts = self.manifolds.update(&self.a, &self.b, pose_of(pose)?, &ManifoldSettings::default());
+        let (pose, settings) = (pose_of(pose)?, ManifoldSettings::default());
+        let counts = query!(&self.a, &self.b, |a, b| self.manifolds.update(&a, &b, pose, &settings));
         let (mut normal, points) = (DVec3::NAN, Array::new());
         for (parts, manifold) in self.manifolds.iter() {
             if normal.is_nan() {

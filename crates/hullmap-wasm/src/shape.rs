@@ -1,11 +1,13 @@
 //! Shapes that can be queried: hulls, packs as the union of their hulls, primitives, half-spaces,
 //! levels; and rays against them.
 
+use hullmap::geometry::{AnyGeometry, AnyShape};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Segment, Sphere, Triangle};
 use hullmap::{CastSettings, Ray, RayHit, ShapeError, SharedGeometry};
 use wasm_bindgen::prelude::*;
 
-use crate::object::{Columns, Plain, error, rows_of, vector_from};
+use crate::input::{error, rows_of};
+use crate::object::{Columns, Plain, vector_from};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
@@ -147,7 +149,7 @@ impl Shape {
         #[wasm_bindgen(js_name = maxT)] max_t: Option<f64>,
     ) -> Result<Hit, JsError> {
         let ray = Ray::new(vector_from("origin", origin)?, vector_from("direction", direction)?).map_err(error)?;
-        Ok(Plain::from_answer(&hullmap::ray(&self.0, &ray, &settings(max_t))).done())
+        Ok(Plain::from_answer(&cast_ray(&self.0, &ray, &settings(max_t))).done())
     }
 
     /// Many rays, three numbers for each origin and direction. One origin or direction serves for
@@ -176,9 +178,17 @@ impl Shape {
             let (Some(&origin), Some(&direction)) = (origins.next(), directions.next()) else { break };
             let ray = Ray::new(origin.into(), direction.into());
             let ray = ray.map_err(|fault| error(format!("ray {index}: {fault}")))?;
-            columns.push(&hullmap::ray(&self.0, &ray, &settings));
+            columns.push(&cast_ray(&self.0, &ray, &settings));
         }
         Ok(columns.done())
+    }
+}
+
+/// A ray at a geometry. All kinds of them share its code, as in `pair`.
+fn cast_ray(geometry: &SharedGeometry, ray: &Ray, settings: &CastSettings) -> RayHit {
+    match AnyShape::new(geometry) {
+        Some(shape) => hullmap::ray(&shape, ray, settings),
+        None => hullmap::ray(&AnyGeometry::new(geometry), ray, settings),
     }
 }
 

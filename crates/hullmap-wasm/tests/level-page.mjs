@@ -14,8 +14,11 @@ export async function testLevelPage(page, native, meshes, hasGl, screenshot) {
     await page.waitForFunction((count) => Number(document.documentElement.dataset.levels) > count, before, { timeout: 60_000 });
   };
   const drop = async (kind) => {
+    const before = await page.evaluate(() => Number(document.documentElement.dataset.drops));
     await page.selectOption("#level-body", kind);
     await page.click("#level-drop");
+    // A hull is baked first.
+    await page.waitForFunction((count) => Number(document.documentElement.dataset.drops) > count, before, { timeout: 60_000 });
   };
 
   // Three bodies lie on hills from the start.

@@ -9,18 +9,34 @@ import { execFileSync } from "node:child_process";
 import { readFileSync, readdirSync, statSync, writeFileSync } from "node:fs";
 import { basename, join } from "node:path";
 import { pathToFileURL } from "node:url";
+import { gzipSync } from "node:zlib";
 
 import { testLevels } from "./level.mjs";
 
 const [folder, command, meshes] = process.argv.slice(2);
 // The entry that the package names for Node.
 const { exports } = JSON.parse(readFileSync(join(folder, "package.json")));
-const { default: init, bake, bakeMesh, Level, Pack, Pair, poseBetween, Shape, version } = await import(pathToFileURL(join(folder, exports["."].node)));
-await init();
-await init(); // does nothing
+const [runtime, baker] = await Promise.all([".", "./bake"].map((name) => import(pathToFileURL(join(folder, exports[name].node)))));
+const { Level, Pack, Pair, poseBetween, Shape, version } = runtime;
+const { bake, bakeLevel, bakeMesh, gaussMap } = baker;
+for (const { default: init } of [runtime, baker]) {
+  await init();
+  await init(); // does nothing
+}
 const native = (...words) => execFileSync(command, words, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
 
-assert.equal(JSON.parse(readFileSync(join(folder, "package.json"))).version, version());
+for (const module of [runtime, baker]) assert.equal(JSON.parse(readFileSync(join(folder, "package.json"))).version, module.version());
+
+// The runtime stays small, because nothing of the baker is in it.
+const LIMIT = 1_000_000;
+const size = statSync(join(folder, "hullmap_bg.wasm")).size;
+assert.ok(size <= LIMIT, `the module of the runtime has ${size} bytes, and may have ${LIMIT}`);
+assert.deepEqual(Object.keys(runtime).filter((name) => /bake/i.test(name)), []);
+
+// The archive holds the files that package.json lists, and both licences.
+const packed = execFileSync("tar", ["-tzf", join(folder, "../hullmap.tgz")], { encoding: "utf8" }).trim().split("\n");
+assert.deepEqual(packed.map((path) => path.replace("package/", "")).sort(), [...JSON.parse(readFileSync(join(folder, "package.json"))).files, "README.md", "package.json"].sort());
+for (const name of ["CITATION.cff", "SECURITY.md", "LICENSE-APACHE", "LICENSE-MIT", "LICENSES-OF-DEPENDENCIES.txt"]) assert.ok(packed.includes(`package/${name}`), name);
 assert.match(readFileSync(join(folder, "LICENSES-OF-DEPENDENCIES.txt"), "utf8"), /^==== rkyv /m);
 
 // Each format: hulls as STL and GLB, written by the command, and a PLY file.
@@ -107,7 +123,7 @@ for (const [i, a] of solid.entries()) {
 assert.ok(hits > 0.2 * (queries / 2) && hits < 0.8 * (queries / 2), `${hits} of ${queries / 2} pairs overlap`);
 console.log(`${queries} contacts and distances have the same bits as in the command (${hits} of ${queries / 2} pairs overlap)`);
 
-testLevels({ Level, Pack, Pair, Shape }, native, meshes);
+testLevels({ bakeLevel, Level, Pack, Pair, Shape }, native, meshes);
 
 // Arrays of a cube.
 const corners = Array.from({ length: 8 }, (_, i) => `v ${i & 1} ${(i >> 1) & 1} ${i >> 2}\n`).join("");
@@ -129,7 +145,7 @@ assert.deepEqual([cube.meshMassProperties(1), cube.voids, cube.primitive], [unde
 const weight = pack.massProperties(3);
 assert.ok(weight.source === "hulls" && Math.abs(weight.mass - 3) < 1e-12 && Math.abs(weight.centerOfMass[0] - 0.5) < 1e-12);
 assert.ok(Math.abs(weight.inertia[4] - 0.5) < 1e-12);
-const { faces, map } = cube.gaussMap(64);
+const { faces, map } = gaussMap(baked.pack, 0, 64);
 assert.deepEqual([faces.length, map.resolution, map.line_starts.length], [6, 64, 7]);
 const stacked = new Pair(cube, cube);
 assert.equal(stacked.intersects(new Float64Array([0, 0, 0.99, 0, 0, 0, 1])), "overlapping");
@@ -162,6 +178,13 @@ const gearMass = gear.massProperties(2), part = gear.hull(0);
 assert.ok(gearMass.source === "mesh" && part.meshMassProperties(2).mass === gearMass.mass);
 assert.ok(gearMass.mass < 2 * Array.from({ length: gear.hullCount }, (_, i) => gear.hull(i).volume).reduce((a, b) => a + b));
 assert.ok(part.voids.share >= 0 && part.voids.error < 0.01 && part.primitive === undefined);
+const shares = [];
+const heard = bakeMesh(imported.positions, imported.triangles, { decompose: true }, (share) => shares.push(share));
+assert.ok(shares.length > 5 && shares.every((share, i) => share > (shares[i - 1] ?? 0) && share <= 1), shares.join());
+assert.deepEqual(heard.pack, bakeMesh(imported.positions, imported.triangles, { decompose: true }).pack);
+for (const listener of [(share) => share < 0.1, () => { throw new Error("enough"); }]) {
+  assert.throws(() => bake("gear.obj", readFileSync(join(meshes, "gear.obj")), { decompose: true }, listener), /cancelled/);
+}
 const flat = bakeMesh(positions, null, { decompose: true });
 assert.match([...flat.notes, ...flat.warnings].join(), /mesh: not decomposed, because it has no faces/);
 
@@ -245,6 +268,7 @@ for (const [empty, full] of [[stacked.contacts([]), stacked.contacts(at(0, 0, 0)
 // Errors are sentences that name the fault.
 const fails = (run, text) => assert.throws(run, (error) => error instanceof Error && error.message.includes(text));
 fails(() => new Pack(new Uint8Array(10)), "");
+fails(() => gaussMap(baked.pack, 1, 64), "there is no hull 1: the pack has 1");
 const damaged = baked.pack;
 damaged[200] ^= 1;
 fails(() => new Pack(damaged), "checksum");
@@ -331,7 +355,7 @@ const perPose = (query) => {
 console.log(`for each pose of a batch: contacts ${perPose((poses) => moving.contacts(poses))} µs, distances ${perPose((poses) => moving.distances(poses))} µs`);
 
 // TypeScript knows the options of the command, but for one that needs a clock.
-const interfaceText = /interface BakeOptions \{(.*?)\n\}/s.exec(readFileSync(join(folder, "hullmap.d.ts"), "utf8"))[1];
+const interfaceText = /interface BakeOptions \{(.*?)\n\}/s.exec(readFileSync(join(folder, "bake.d.ts"), "utf8"))[1];
 const declared = [...interfaceText.matchAll(/^ {4}(\w+)\?:/gm)].map(([, key]) => key);
 let known = "";
 fails(() => {
@@ -344,12 +368,14 @@ fails(() => {
 }, "unknown option unknown");
 assert.deepEqual(declared.sort(), [...known.split("options are ")[1].split(", ").filter((key) => key !== "decomposeSeconds"), "name"].sort());
 
-// Sizes in the document, to a twentieth.
+// Sizes in the document, to a twentieth: of the files, and as a server with gzip sends them.
 const stated = readFileSync(new URL("../../../docs/browser.md", import.meta.url), "utf8");
-for (const [what, file] of [["module", "hullmap_bg.wasm"], ["archive for npm", "../hullmap.tgz"], ["page", "../hullmap.html"]]) {
-  const megabytes = statSync(join(folder, file)).size / 1e6;
-  const [, number] = stated.match(new RegExp(`the ${what}\\s+(?:has\\s+)?([0-9.]+)\\s+MB`, "i")) ?? [];
-  assert.ok(Math.abs(number / megabytes - 1) < 0.05, `docs/browser.md: the ${what} has ${number} MB, in fact ${megabytes.toFixed(2)} MB`);
+for (const file of ["hullmap_bg.wasm", "bake_bg.wasm", "../hullmap.tgz", "../hullmap.html"]) {
+  const bytes = readFileSync(join(folder, file)), sizes = [bytes.length, gzipSync(bytes, { level: 9 }).length].map((size) => size / 1e6);
+  const row = stated.match(new RegExp(`\\| \`${basename(file)}\` \\|[^|]*\\| ([0-9.]+) MB \\| ([0-9.]+) MB \\|`)) ?? [];
+  for (const [i, size] of sizes.entries()) {
+    assert.ok(Math.abs(row[i + 1] / size - 1) < 0.05, `docs/browser.md: ${basename(file)} has ${sizes.map((size) => size.toFixed(2)).join(" MB, with gzip ")} MB`);
+  }
 }
 
 console.log("node: passed");

@@ -188,26 +188,24 @@ try {
   assert.match(await page.locator("#error").textContent(), /That was no file/);
   console.log("dropped files became body A, and body B with the Shift key");
 
-  // A worker that ends: its bake fails, and the next one has a new worker. Without workers, the page
-  // bakes. The first source answers for the baker, the second one does not run.
+  // A worker that ends: its bake fails, and the next one has a new worker. A cancelled bake fails, too.
+  // The first source answers for the baker, the second one does not run.
   const outcomes = await page.evaluate(async () => {
-    const fake = `let count = 0; onmessage = ({ data: { module, id, file } }) => {
-      if (module) return;
+    const fake = `let count = 0; onmessage = ({ data: { module, id, words: [file] = [] } }) => {
+      if (module || file === "long") return;
       if (file === "trap") postMessage({ id, ended: true, message: "unreachable" });
       else postMessage({ id, answer: { file, count: ++count } });
     };`;
-    const module = new WebAssembly.Module(new Uint8Array([0, 0x61, 0x73, 0x6d, 1, 0, 0, 0]));
-    const baker = new Baker(fake, module);
-    const jobs = ["one", "trap", "two", "three"].map((file) => baker.bake(file, new Uint8Array(1), {}));
-    const settled = await Promise.allSettled(jobs);
-    const words = settled.map(({ value, reason }) => (value ? `${value.file} ${value.count}` : reason.constructor.name));
-    const without = new Baker("this is no script (", module);
-    const points = new TextEncoder().encode("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n");
-    const { positions } = await without.bake("corner.obj", points, {});
-    return [...words, positions.length, baker.hasWorker, without.hasWorker];
+    const baker = new Baker(fake, new Uint8Array(1)), broken = new Baker("this is no script (", new Uint8Array(1));
+    const run = (baker, files) => files.map((file) => baker.run("mesh", [file]));
+    const settled = await Promise.allSettled(run(baker, ["one", "trap", "two", "three"]));
+    const long = run(baker, ["long", "never"]);
+    baker.cancel();
+    settled.push(...(await Promise.allSettled([...long, ...run(baker, ["four"]), ...run(broken, ["one"])])));
+    return settled.map(({ value, reason }) => (value ? `${value.file} ${value.count}` : reason.constructor.name));
   });
-  assert.deepEqual(outcomes, ["one 1", "BakerEnded", "two 1", "three 2", 12, true, false]);
-  assert.equal(await page.evaluate(() => document.documentElement.dataset.worker), "true");
+  const expected = ["one 1", "BakerEnded", "two 1", "three 2", "BakeCancelled", "BakeCancelled", "four 1", "BakerEnded"];
+  assert.deepEqual(outcomes, expected);
 
   // Errors are sentences on the page; the bodies remain.
   for (const [name, text, expected] of [
@@ -370,6 +368,40 @@ try {
   );
   // A page that stands still has one frame.
   assert.ok(during.length > 3, `${during.length} frames during a bake`);
+
+  // A concave mesh becomes convex parts, in the pack of the command. The bar moves, and so do the bodies.
+  const decomposed = join(meshes, "gear.obj");
+  await page.evaluate(() => {
+    window.bars = [];
+    const bar = document.getElementById("progress");
+    new MutationObserver(() => window.bars.push(bar.value)).observe(bar, { attributes: true });
+  });
+  await loaded(() => page.setInputFiles("#file-a", decomposed));
+  await loaded(() => page.selectOption("#sample-b", "cube"));
+  await loaded(() => page.selectOption("#split", "parts"));
+  await page.check("#moves");
+  await setNumber("#max-parts", 4);
+  await page.waitForFunction(() => /Baking gear/.test(document.getElementById("busy").textContent));
+  await page.evaluate(() => window.gaps.splice(0));
+  await page.waitForFunction(() => document.getElementById("busy").textContent === "", null, { timeout: 120_000 });
+  const moving = await page.evaluate(() => window.gaps.splice(0));
+  await page.uncheck("#moves");
+  native("build", decomposed, "--out", meshes, "--force", "--decompose", "--max-parts", "4");
+  assert.deepEqual(Buffer.from(await page.evaluate(() => [...window.hullmapPage.pack()])), readFileSync(decomposed.replace(".obj", ".hullmap")));
+  assert.match(await factsOf(), /Body Agear\.obj.*Convex parts[234]/s);
+  const bars = await page.evaluate(() => window.bars);
+  assert.ok(bars.length > 5 && Math.max(...bars) > 0.5 && Math.max(...bars) <= 1, bars.join());
+  assert.ok(moving.length > 3, `${moving.length} frames during a decomposition`);
+  if (screenshot) await page.screenshot({ path: `${screenshot}-parts.png`, fullPage: true });
+  console.log(`a gear became ${(await factsOf()).match(/Convex parts(\d+)/)[1]} parts: ${moving.length} frames meanwhile, the longest ${Math.max(...moving).toFixed(0)} ms`);
+  // A bake that is cancelled leaves the body, and is no error.
+  const facts = await factsOf();
+  await loaded(async () => {
+    await page.selectOption("#sample-a", "knot");
+    await page.click("#cancel");
+  });
+  assert.deepEqual([await factsOf(), await page.locator("#error").isVisible(), await page.locator("#baking").isVisible()], [facts, false, false]);
+  await loaded(() => page.selectOption("#split", "none"));
 
   await testLevelPage(page, native, meshes, hasGl, screenshot);
 

@@ -11,7 +11,7 @@ use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_fie
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 
 /// A rough floor of squares, as the bytes of a file. Triangle t of the source has the material t.
-fn mesh_file(cells: usize) -> Vec<u8> {
+pub(super) fn mesh_file(cells: usize) -> Vec<u8> {
     let mut rng = SplitMix64::new(39);
     let side = cells + 1;
     let at = |i: usize| i as f32 - cells as f32 / 2.0;

@@ -2,6 +2,7 @@
 //! that break the rules. `tests/c` has the same from C.
 #![allow(unsafe_code)]
 
+mod any;
 mod batches;
 mod facts;
 mod lifetimes;

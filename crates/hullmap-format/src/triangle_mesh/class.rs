@@ -44,6 +44,25 @@ impl EdgeClass {
         }
     }
 
+    /// The edges of each class, each once, in the order of [`Self::ALL`], in O(n log n).
+    /// `triangles` are corners, and the classes of the edges from each to the next.
+    pub fn group(triangles: impl IntoIterator<Item = ([u32; 3], [Self; 3])>) -> Vec<Vec<[u32; 2]>> {
+        let mut groups = vec![Vec::new(); Self::ALL.len()];
+        for ([a, b, c], classes) in triangles {
+            for ([from, to], class) in [[a, b], [b, c], [c, a]].into_iter().zip(classes) {
+                // There is a group for each code.
+                if let Some(group) = groups.get_mut(usize::from(class.code())) {
+                    group.push([from.min(to), from.max(to)]);
+                }
+            }
+        }
+        for edges in &mut groups {
+            edges.sort_unstable();
+            edges.dedup();
+        }
+        groups
+    }
+
     /// Four bits of [`TriangleMesh::edge_classes`](super::archive::TriangleMesh::edge_classes).
     pub const fn code(self) -> u16 {
         match self {

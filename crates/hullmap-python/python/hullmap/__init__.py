@@ -135,7 +135,6 @@ __all__ = [
     "derivatives",
     "from_bytes",
     "from_trimesh",
-    "open",
     "poses",
     "ray_derivatives",
     "relative",

@@ -10,16 +10,16 @@ use std::process::ExitCode;
 
 use wasm_bindgen_cli_support::Bindgen;
 
-const USAGE: &str = "usage: hullmap-bindgen MODULE.wasm FOLDER web|no-modules";
+const USAGE: &str = "usage: hullmap-bindgen MODULE.wasm FOLDER NAME web|no-modules";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = env::args().skip(1).collect();
-    let [module, folder, target] = arguments.as_slice() else {
+    let [module, folder, name, target] = arguments.as_slice() else {
         eprintln!("{USAGE}");
         return ExitCode::from(2);
     };
     let mut bindgen = Bindgen::new();
-    bindgen.input_path(module).out_name("hullmap").typescript(target == "web");
+    bindgen.input_path(module).out_name(name).typescript(target == "web");
     // A panic states its place; names of functions would add a tenth to the module.
     bindgen.remove_name_section(true).remove_producers_section(true);
     let chosen = match target.as_str() {

@@ -23,7 +23,7 @@ const BEYOND: f64 = 1.0 + 1e-9;
 
 /// A BVH node: its box, in the frame of its compound, and its child.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
+pub struct Node {
     center: DVec3,
     half: DVec3,
     pub(super) child: Child,
@@ -98,7 +98,7 @@ impl Node {
 }
 
 /// The box of a node as a shape, in the frame of its compound.
-pub(super) struct BoxShape(pub(super) Node);
+pub struct BoxShape(pub(crate) Node);
 
 /// Rounding error of the centre and of the half lengths of a box, relative to both.
 const BOX_ERROR: f64 = 4.0 * f64::EPSILON;

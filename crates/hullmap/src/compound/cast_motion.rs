@@ -71,7 +71,7 @@ impl<A: Parts + ?Sized, B: Parts + ?Sized> Bodies for Compounds<'_, A, B> {
     }
 
     fn search_boxes(&mut self, [a, b]: [&Node; 2], goal: &mut Goal, window: [f64; 2]) -> TimeOfImpact {
-        let boxes = (&BoxShape(*a), &BoxShape(*b));
+        let boxes = (&A::box_shape(*a), &B::box_shape(*b));
         search_pair(boxes, self.motions, &ROUGH, ROUGH.tolerance, goal, window, &mut self.boxes)
     }
 

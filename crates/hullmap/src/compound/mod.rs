@@ -27,7 +27,7 @@
 #![forbid(unsafe_code)]
 
 mod body_manifold;
-mod bvh;
+pub(crate) mod bvh;
 pub(crate) mod cast_motion;
 pub(crate) mod clear;
 pub(crate) mod half_space;
@@ -37,7 +37,7 @@ mod members;
 pub(crate) mod motion;
 mod near;
 mod one_sided;
-mod parts;
+pub(crate) mod parts;
 pub mod seams;
 mod shared_sheet;
 mod sheet;

@@ -1,12 +1,13 @@
 //! Arguments of queries of parts: a compound, a triangle mesh, a height field, or a single shape.
 
-use super::bvh::Nodes;
+use super::bvh::{BoxShape, Node, Nodes};
 use super::members::Compound;
 use crate::height_field::HeightField;
 use crate::hull::Hull;
 use crate::pose::Pose;
 use crate::shapes::triangle::VisitTriangle;
 use crate::shapes::{Shape, Triangle};
+use crate::support::SupportMap;
 use crate::triangle_mesh::TriangleMesh;
 use glam::DVec3;
 
@@ -54,6 +55,11 @@ pub trait Tree {
 
     /// The BVH of the parts.
     fn nodes(&self) -> Nodes<'_>;
+
+    /// The box of a node of the BVH as a shape.
+    fn box_shape(node: Node) -> impl SupportMap {
+        BoxShape(node)
+    }
 
     /// Visits all triangles, with their corners, whose boxes overlap a box, given by two corners,
     /// and maybe others near it, until a visit says `true`. Returns whether one did, and the number

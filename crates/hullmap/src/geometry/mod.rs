@@ -13,6 +13,7 @@
 
 #![forbid(unsafe_code)]
 
+mod any;
 mod shared;
 
 use crate::compound::{Compound, OneSided, Parts, SharedSheet};
@@ -20,6 +21,7 @@ use crate::height_field::HeightField;
 use crate::pack::Pack;
 use crate::shapes::{HalfSpace, Shape};
 use crate::triangle_mesh::TriangleMesh;
+pub use any::{AnyGeometry, AnyPair, AnyParts, AnyShape};
 pub use shared::{SharedGeometry, TwoHalfSpaces};
 
 /// Something that can be queried. See the [module](self) for a table of them.

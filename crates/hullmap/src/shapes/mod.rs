@@ -59,7 +59,7 @@ pub(crate) mod half_space;
 mod rounded;
 mod scaled;
 mod segment;
-mod shape;
+pub(crate) mod shape;
 mod sphere;
 pub(crate) mod triangle;
 

@@ -89,21 +89,29 @@ pub trait Shape: SupportMap {
     }
 }
 
+/// Passes every method of [`Shape`] on to `$inner`.
+macro_rules! forward_shape {
+    ($this:ident => $inner:expr) => {
+        fn feature(&$this, dir: DVec3, out: &mut Feature) {
+        $inner.feature(dir, out);
+        }
+        fn feature_within(&$this, dir: DVec3, reach: f64, out: &mut Feature) {
+        $inner.feature_within(dir, reach, out);
+        }
+        fn reduced_feature_within(&$this, dir: DVec3, reach: f64, out: &mut Feature) {
+        $inner.reduced_feature_within(dir, reach, out);
+        }
+        fn entry(&$this, ray: &Ray, near: u32) -> Option<f64> {
+        $inner.entry(ray, near)
+        }
+        fn triangle(&$this) -> Option<[DVec3; 3]> {
+        $inner.triangle()
+        }
+    };
+}
+pub(crate) use forward_shape;
+
 /// A reference to a shape is the same shape.
 impl<S: Shape + ?Sized> Shape for &S {
-    fn feature(&self, dir: DVec3, out: &mut Feature) {
-        (**self).feature(dir, out);
-    }
-    fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
-        (**self).feature_within(dir, reach, out);
-    }
-    fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
-        (**self).reduced_feature_within(dir, reach, out);
-    }
-    fn entry(&self, ray: &Ray, near: u32) -> Option<f64> {
-        (**self).entry(ray, near)
-    }
-    fn triangle(&self) -> Option<[DVec3; 3]> {
-        (**self).triangle()
-    }
+    forward_shape!(self => (**self));
 }

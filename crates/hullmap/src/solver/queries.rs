@@ -159,6 +159,9 @@ pub(crate) fn contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     settings: &Settings,
     cache: &mut Cache,
 ) -> Contact {
+    if let (Some(a), Some(b)) = (a.erased(), b.erased()) {
+        return contact(a, b, b_in_a, settings, cache);
+    }
     let radii = [a.convex_radius(), b.convex_radius()];
     let radius = radii[0] + radii[1];
     if !(radius > 0.0) {
@@ -297,6 +300,9 @@ pub(crate) fn distance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     settings: &Settings,
     cache: &mut Cache,
 ) -> Distance {
+    if let (Some(a), Some(b)) = (a.erased(), b.erased()) {
+        return distance(a, b, b_in_a, settings, cache);
+    }
     let radii = [a.convex_radius(), b.convex_radius()];
     let radius = radii[0] + radii[1];
     if !(radius > 0.0) {
@@ -329,6 +335,9 @@ pub(crate) fn intersects<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     b_in_a: Pose,
     cache: &mut Cache,
 ) -> Intersection {
+    if let (Some(a), Some(b)) = (a.erased(), b.erased()) {
+        return intersects(a, b, b_in_a, cache);
+    }
     if !(a.convex_radius() + b.convex_radius() > 0.0) {
         return core_intersects(a, b, b_in_a, cache);
     }

@@ -39,6 +39,9 @@ impl SupportMap for Dot {
 
 /// [`ray`](crate::ray()) on a convex shape.
 pub(crate) fn ray<S: SupportMap + ?Sized>(shape: &S, ray: &Ray, settings: &CastSettings) -> RayHit {
+    if let Some(shape) = shape.erased() {
+        return self::ray(shape, ray, settings);
+    }
     let start = Pose::from_checked(ray.origin());
     let found = match ray.motion().path() {
         Some(path) if !(shape.convex_radius() > 0.0) => cast_dot((shape, &Dot, start), path, settings),

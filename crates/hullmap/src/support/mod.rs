@@ -14,7 +14,7 @@ pub(crate) mod hint;
 pub(crate) mod index;
 mod paused_lookup;
 pub(crate) mod simd;
-mod support_map;
+pub(crate) mod support_map;
 
 pub use bounds::Bounds;
 #[doc(hidden)]

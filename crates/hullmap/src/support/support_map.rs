@@ -337,102 +337,122 @@ pub trait SupportMap {
         let margin = DVec3::splat(rounding + self.support_error());
         Bounds { min: min - margin, max: max + margin }
     }
+
+    /// The shape that this stands for, if it stands for shapes of any kind: a program then has one
+    /// instance of the solver for all of them.
+    #[doc(hidden)]
+    fn erased(&self) -> Option<&dyn SupportMap> {
+        None
+    }
 }
+
+/// Passes every method of [`SupportMap`] on to `$inner`.
+macro_rules! forward_support_map {
+    ($this:ident => $inner:expr) => {
+        #[inline(always)]
+        fn support_point(&$this, dir: DVec3) -> SupportPoint {
+        $inner.support_point(dir)
+        }
+        #[inline(always)]
+        fn interior_point(&$this) -> DVec3 {
+        $inner.interior_point()
+        }
+        #[inline(always)]
+        fn inner_radius(&$this) -> f64 {
+        $inner.inner_radius()
+        }
+        #[inline(always)]
+        fn outer_radius(&$this) -> f64 {
+        $inner.outer_radius()
+        }
+        #[inline(always)]
+        fn support_error(&$this) -> f64 {
+        $inner.support_error()
+        }
+        #[inline(always)]
+        fn point(&$this, feature: u32) -> Option<DVec3> {
+        $inner.point(feature)
+        }
+        fn polytope_vertex(&$this, index: u32) -> Option<DVec3> {
+        $inner.polytope_vertex(index)
+        }
+        #[inline(always)]
+        fn support_point_from(&$this, dir: DVec3, hint: u32) -> SupportPoint {
+        $inner.support_point_from(dir, hint)
+        }
+        #[inline(always)]
+        fn fetch_ahead(&$this) {
+        $inner.fetch_ahead();
+        }
+        #[inline(always)]
+        fn fetch_part(&$this, part: usize) -> bool {
+        $inner.fetch_part(part)
+        }
+        #[inline(always)]
+        fn start_lookup(&$this, dir: DVec3) -> Lookup {
+        $inner.start_lookup(dir)
+        }
+        #[inline(always)]
+        fn continue_lookup(&$this, dir: DVec3, lookup: Lookup) -> Lookup {
+        $inner.continue_lookup(dir, lookup)
+        }
+        #[inline(always)]
+        fn finish_lookup(&$this, dir: DVec3, lookup: Lookup) -> SupportPoint {
+        $inner.finish_lookup(dir, lookup)
+        }
+        #[inline(always)]
+        fn working_set_len(&$this) -> usize {
+        $inner.working_set_len()
+        }
+        #[inline(always)]
+        fn convex_radius(&$this) -> f64 {
+        $inner.convex_radius()
+        }
+        #[inline(always)]
+        fn core_support_point(&$this, dir: DVec3) -> SupportPoint {
+        $inner.core_support_point(dir)
+        }
+        #[inline(always)]
+        fn core_radii(&$this) -> [f64; 2] {
+        $inner.core_radii()
+        }
+        #[inline(always)]
+        fn core_point(&$this, feature: u32) -> Option<DVec3> {
+        $inner.core_point(feature)
+        }
+        fn core_feature_point(&$this, feature: u32, dir: DVec3) -> Option<FeaturePoint> {
+        $inner.core_feature_point(feature, dir)
+        }
+        fn has_polytope_core(&$this) -> bool {
+        $inner.has_polytope_core()
+        }
+        #[inline(always)]
+        fn facets(&$this) -> Option<Facets<'_>> {
+        $inner.facets()
+        }
+        fn stored_bounds(&$this) -> Option<[DVec3; 2]> {
+        $inner.stored_bounds()
+        }
+        #[inline(always)]
+        fn level_edges(&$this, feature: u32, dir: DVec3, tangent: f64) -> Option<LevelEdges> {
+        $inner.level_edges(feature, dir, tangent)
+        }
+        fn only_level_edge(&$this, feature: u32, dir: DVec3, tangent: f64) -> Option<DVec3> {
+        $inner.only_level_edge(feature, dir, tangent)
+        }
+        fn bounds_under(&$this, pose: Pose) -> Bounds {
+        $inner.bounds_under(pose)
+        }
+    };
+}
+pub(crate) use forward_support_map;
 
 /// A reference to a shape is the same shape.
 impl<S: SupportMap + ?Sized> SupportMap for &S {
+    forward_support_map!(self => (**self));
+
     #[inline(always)]
-    fn support_point(&self, dir: DVec3) -> SupportPoint {
-        (**self).support_point(dir)
-    }
-    #[inline(always)]
-    fn interior_point(&self) -> DVec3 {
-        (**self).interior_point()
-    }
-    #[inline(always)]
-    fn inner_radius(&self) -> f64 {
-        (**self).inner_radius()
-    }
-    #[inline(always)]
-    fn outer_radius(&self) -> f64 {
-        (**self).outer_radius()
-    }
-    #[inline(always)]
-    fn support_error(&self) -> f64 {
-        (**self).support_error()
-    }
-    #[inline(always)]
-    fn point(&self, feature: u32) -> Option<DVec3> {
-        (**self).point(feature)
-    }
-    fn polytope_vertex(&self, index: u32) -> Option<DVec3> {
-        (**self).polytope_vertex(index)
-    }
-    #[inline(always)]
-    fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
-        (**self).support_point_from(dir, hint)
-    }
-    #[inline(always)]
-    fn fetch_ahead(&self) {
-        (**self).fetch_ahead();
-    }
-    #[inline(always)]
-    fn fetch_part(&self, part: usize) -> bool {
-        (**self).fetch_part(part)
-    }
-    #[inline(always)]
-    fn start_lookup(&self, dir: DVec3) -> Lookup {
-        (**self).start_lookup(dir)
-    }
-    #[inline(always)]
-    fn continue_lookup(&self, dir: DVec3, lookup: Lookup) -> Lookup {
-        (**self).continue_lookup(dir, lookup)
-    }
-    #[inline(always)]
-    fn finish_lookup(&self, dir: DVec3, lookup: Lookup) -> SupportPoint {
-        (**self).finish_lookup(dir, lookup)
-    }
-    #[inline(always)]
-    fn working_set_len(&self) -> usize {
-        (**self).working_set_len()
-    }
-    #[inline(always)]
-    fn convex_radius(&self) -> f64 {
-        (**self).convex_radius()
-    }
-    #[inline(always)]
-    fn core_support_point(&self, dir: DVec3) -> SupportPoint {
-        (**self).core_support_point(dir)
-    }
-    #[inline(always)]
-    fn core_radii(&self) -> [f64; 2] {
-        (**self).core_radii()
-    }
-    #[inline(always)]
-    fn core_point(&self, feature: u32) -> Option<DVec3> {
-        (**self).core_point(feature)
-    }
-    fn core_feature_point(&self, feature: u32, dir: DVec3) -> Option<FeaturePoint> {
-        (**self).core_feature_point(feature, dir)
-    }
-    fn has_polytope_core(&self) -> bool {
-        (**self).has_polytope_core()
-    }
-    #[inline(always)]
-    fn facets(&self) -> Option<Facets<'_>> {
-        (**self).facets()
-    }
-    fn stored_bounds(&self) -> Option<[DVec3; 2]> {
-        (**self).stored_bounds()
-    }
-    #[inline(always)]
-    fn level_edges(&self, feature: u32, dir: DVec3, tangent: f64) -> Option<LevelEdges> {
-        (**self).level_edges(feature, dir, tangent)
-    }
-    fn only_level_edge(&self, feature: u32, dir: DVec3, tangent: f64) -> Option<DVec3> {
-        (**self).only_level_edge(feature, dir, tangent)
-    }
-    fn bounds_under(&self, pose: Pose) -> Bounds {
-        (**self).bounds_under(pose)
+    fn erased(&self) -> Option<&dyn SupportMap> {
+        (**self).erased()
     }
 }

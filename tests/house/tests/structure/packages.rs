@@ -56,7 +56,7 @@ fn published_packages_say_what_they_are() {
             readme.contains(&format!("## Lowest Rust version\n\n{version}")),
             "{what}: {version} is not in its README"
         );
-        for file in ["LICENSE-MIT", "LICENSE-APACHE"] {
+        for file in ["LICENSE-MIT", "LICENSE-APACHE", "CITATION.cff", "SECURITY.md"] {
             let own = fs::read(folder(package).join(file)).unwrap_or_else(|error| panic!("{what}: {file}: {error}"));
             assert_eq!(own, fs::read(workspace().join(file)).unwrap(), "{what}: {file}");
         }
