@@ -173,8 +173,8 @@ pub fn simplified(facts: &HullMeasures) -> Option<Remark> {
     Some(Remark::by_size("simplified", name, text, outer_error, diameter, remedy))
 }
 
-/// Excess of a hull's volume over its mesh's, relative to the latter; `None` if the mesh is not worth
-/// decomposing.
+/// Excess of a hull's volume over its mesh's, relative to the latter; `None` if the mesh is not
+/// worth decomposing.
 pub fn excess(hull_volume: f64, mesh_volume: f64) -> Option<f64> {
     let excess = hull_volume / mesh_volume - 1.0;
     // Written so that NaN is no remark.

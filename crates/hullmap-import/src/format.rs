@@ -51,8 +51,8 @@ pub fn is_y_up(path: &Path) -> bool {
     matches!(Format::of_extension(path), Some(Format::Gltf | Format::Obj))
 }
 
-/// Whether the importer's lengths are metres, by the extension: glTF is in metres, and the unit that
-/// a COLLADA file states is applied.
+/// Whether the importer's lengths are metres, by the extension: glTF is in metres, and the unit
+/// that a COLLADA file states is applied.
 pub fn is_in_metres(path: &Path) -> bool {
     matches!(Format::of_extension(path), Some(Format::Gltf | Format::Collada))
 }

@@ -212,7 +212,7 @@ fn facts(robot: &Robot) -> String {
     html::facts(&rows)
 }
 
-/// A table whose rows have the links that they show, and cells, the first of which becomes a button.
+/// A table whose rows have the links that they show, and cells; the first becomes a button.
 fn table(label: &str, heads: &[(&str, bool)], rows: &[(Vec<usize>, Vec<String>)]) -> String {
     let shown = rows.iter().take(MAX_ROWS).map(|(links, cells)| {
         let links: Vec<String> = links.iter().map(usize::to_string).collect();

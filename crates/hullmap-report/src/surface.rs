@@ -123,7 +123,7 @@ impl SurfaceReport {
             Asset::HeightField(field) => {
                 let Layout { columns, rows, .. } = *field.layout();
                 let counts = [field.triangle_count() - 2 * field.hole_count(), columns * rows];
-                let [x, y, z] = (field.bounds()[1] - field.bounds()[0]).to_array().map(|side| short(side.into()));
+                let [x, y, z] = (field.bounds()[1] - field.bounds()[0]).to_array().map(short);
                 let headline = format!(
                     "A terrain of {columns} × {rows} heights, kept as they are. It measures {x} × {y} × {z} units."
                 );
