@@ -50,7 +50,8 @@ const HOLLOW: f64 = 0.1;
 pub fn of_hulls(hulls: &[BakedHull], is_cut: impl Fn(usize) -> bool) -> Vec<Remark> {
     let of = |(index, baked)| HullMeasures { is_cut: is_cut(index), ..HullMeasures::from_baked(baked) };
     let measures = || hulls.iter().enumerate().map(of);
-    let about_shapes = measures().filter_map(|hull| simplified(&hull)).chain(hulls.iter().filter_map(concave));
+    let hollows = hulls.iter().filter_map(|hull| Some(concave(&hull.name, excess_of_baked(hull)?)));
+    let about_shapes = measures().filter_map(|hull| simplified(&hull)).chain(hollows);
     about_shapes.chain(measures().flat_map(|hull| of_hull(&hull))).collect()
 }
 
@@ -172,21 +173,28 @@ pub fn simplified(facts: &HullMeasures) -> Option<Remark> {
     Some(Remark::by_size("simplified", name, text, outer_error, diameter, remedy))
 }
 
-/// The hull of a whole mesh that fills its cavities. `None` for a part, for small cavities, and for
-/// a mesh without a known volume.
-pub fn concave(baked: &BakedHull) -> Option<Remark> {
-    let mesh = baked.mesh_mass.as_ref().filter(|_| baked.fit.is_none() && baked.hull.rank == 3)?;
-    let excess = mass::mass(&baked.hull).volume / mesh.volume - 1.0;
+/// Excess of a hull's volume over its mesh's, relative to the latter; `None` if the mesh is not
+/// worth decomposing.
+pub fn excess(hull_volume: f64, mesh_volume: f64) -> Option<f64> {
+    let excess = hull_volume / mesh_volume - 1.0;
     // Written so that NaN is no remark.
-    if !(excess > HOLLOW) {
-        return None;
-    }
-    let (name, share) = (&baked.name, percent(excess));
+    (excess > HOLLOW).then_some(excess)
+}
+
+/// `None` for a part, and for a mesh without a known volume.
+fn excess_of_baked(baked: &BakedHull) -> Option<f64> {
+    let mesh = baked.mesh_mass.as_ref().filter(|_| baked.fit.is_none() && baked.hull.rank == 3)?;
+    excess(mass::mass(&baked.hull).volume, mesh.volume)
+}
+
+/// Note on the hull of a whole mesh that fills its cavities, by its [`excess`].
+pub fn concave(name: &str, excess: f64) -> Remark {
+    let share = percent(excess);
     let text = format!(
         "{name}: the mesh is concave, and its hull has {share} more volume; for convex parts that follow the mesh, \
          use --decompose"
     );
-    Some(Remark { weight: excess, ..Remark::note("concave", name, text) })
+    Remark { weight: excess, ..Remark::note("concave", name, text) }
 }
 
 /// How the parts of an object fit its mesh, as proven bounds; lengths.

@@ -479,9 +479,9 @@ pub struct ReportArgs {
     /// Write the overview of pages that all shards have written, and verify nothing
     #[arg(long)]
     pub merge: bool,
-    /// Axis that points up in the pictures
-    #[arg(long, value_parser = up(), default_value = "z", value_name = "z|y")]
-    pub up: Up,
+    /// Axis that points up in the pictures [default: as usual in the source's format]
+    #[arg(long, value_parser = up(), value_name = "z|y")]
+    pub up: Option<Up>,
     /// Number of directions to test on each hull
     #[arg(long, value_name = "N", default_value_t = DEFAULT_DIRECTIONS, value_parser = at_least_one)]
     pub directions: usize,

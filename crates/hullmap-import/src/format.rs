@@ -45,6 +45,18 @@ pub fn is_source(path: &Path) -> bool {
     Format::of_extension(path).is_some()
 }
 
+/// Whether y points up in files of this format, by their extension. glTF states it. OBJ states
+/// nothing, and most programs that read it take y for up. In the other formats z is up by custom.
+pub fn is_y_up(path: &Path) -> bool {
+    matches!(Format::of_extension(path), Some(Format::Gltf | Format::Obj))
+}
+
+/// Whether the importer's lengths are metres, by the extension: glTF is in metres, and the unit
+/// that a COLLADA file states is applied.
+pub fn is_in_metres(path: &Path) -> bool {
+    matches!(Format::of_extension(path), Some(Format::Gltf | Format::Collada))
+}
+
 /// Whether a file has the extension of glTF buffers, `.bin`, in any case.
 pub fn is_buffer(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("bin"))
@@ -73,6 +85,9 @@ mod tests {
             assert_eq!(is_source(Path::new(name)), !name.ends_with("txt") && name != "a", "{name}");
         }
         assert!(EXTENSIONS.iter().all(|extension| is_source(&Path::new("x").with_extension(extension))));
+        let axes = EXTENSIONS.map(|extension| is_y_up(&Path::new("x").with_extension(extension)));
+        assert_eq!(axes, [true, true, true, false, false, false, false], "{EXTENSIONS:?}");
+        assert!(is_in_metres(Path::new("a.GLB")) && !is_in_metres(Path::new("a.obj")));
         assert!(is_buffer(Path::new("a.BIN")) && !is_buffer(Path::new("a.obj")));
     }
 }

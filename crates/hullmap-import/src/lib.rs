@@ -69,7 +69,7 @@ pub use arrays::{MeshArrays, import_arrays};
 pub use far::far_away;
 pub use fault::ImportError;
 pub use foreign::unread_format;
-pub use format::{EXTENSIONS, NAMES, is_buffer, is_source};
+pub use format::{EXTENSIONS, NAMES, is_buffer, is_in_metres, is_source, is_y_up};
 pub use import::{Imported, import};
 pub use limits::Limits;
 pub use materials::Materials;

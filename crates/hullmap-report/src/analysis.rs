@@ -1,17 +1,15 @@
 //! Everything a page shows about one pack, before any of it is HTML.
 
-use std::time::Duration;
-
+use glam::DVec3;
 use hullmap::{Hull, Pack};
 use serde::Serialize;
 
-use crate::census::{Census, Pace, census, direction_count, even_directions, pace};
-use crate::cost_warnings::{cost_warning, summary};
+use crate::census::{Census, census, direction_count, even_directions};
 use crate::display_mesh::{DisplayMesh, EncodedMesh, triangle_limit};
 use crate::gauss_map::{FACES, Face, GaussMap, gauss_map, resolution};
 use crate::html;
 use crate::index_reader::{Contents, ReadError};
-use crate::input::{Input, Remarks, Up, Verification};
+use crate::input::{Frame, Input, Remarks, Up, Verification};
 use crate::part_colours::{COLOURS, assigned};
 use crate::picture::{picture, picture_of_parts};
 use crate::sizes::Section;
@@ -49,6 +47,8 @@ pub struct Analysis {
     pub hull_count: usize,
     /// Number of vertices, over all hulls.
     pub vertex_count: usize,
+    /// Unit of lengths, after a number.
+    pub unit: &'static str,
     /// Verification results of every hull.
     pub verification: Verification,
     /// Faults, warnings and notes.
@@ -59,13 +59,19 @@ pub struct Analysis {
     pub drawn: Drawn,
     /// A still picture, as a `data:` URL.
     pub picture: String,
-    /// Timings.
-    pub times: Times,
 }
 
 #[derive(Debug)]
 pub struct HullRow {
+    pub number: usize,
     pub name: String,
+    /// Number of parts of its object; 0 for a hull that is not a part.
+    pub part_count: u32,
+    /// Diagonal of its mesh's box; without the mesh, of the box of its object's hulls.
+    pub diagonal: f64,
+    /// Excess of its volume over its mesh's, if it fills hollows.
+    pub excess: Option<f64>,
+    pub is_mesh_volume_known: bool,
     /// 3 solid, 2 polygon, 1 segment, 0 point.
     pub rank: u32,
     /// Number of source points the hull was built from.
@@ -91,19 +97,11 @@ pub struct HullRow {
     pub census: Census,
 }
 
-/// Timings. Nothing else in a report differs from run to run.
-#[derive(Debug)]
-pub struct Times {
-    pub open: Duration,
-    pub verification: Duration,
-    /// Queries and scans of each hull that has a row.
-    pub paces: Vec<Pace>,
-}
-
 #[derive(Debug, Serialize)]
 pub struct Drawn {
     pub faces: [Face; 6],
     pub up: Up,
+    pub unit: &'static str,
     pub hull_count: usize,
     pub hulls: Vec<DrawnHull>,
     /// The source's meshes, unless there is one for each hull: of objects that were cut into parts.
@@ -125,6 +123,7 @@ pub struct DrawnHull {
     colour: [u8; 3],
     /// Bound on how far the part protrudes from the mesh's solid, a length; `None`: not measured.
     protrusion: Option<f64>,
+    /// Where it protrudes most, unless that is rounding.
     protrusion_at: Option<[f64; 3]>,
     /// The source mesh, if it was found and there is room.
     pub source: Option<EncodedMesh>,
@@ -144,9 +143,12 @@ impl Analysis {
         self.verification.hulls.iter().any(|hull| hull.is_loose_part)
     }
 
-    /// Whether an engine cannot use some parts well.
-    pub fn has_flaws(&self) -> bool {
-        self.verification.hulls.iter().any(|hull| !hull.flaws.is_empty())
+    /// Why an engine cannot use some parts well, in one word each.
+    pub fn flaws(&self) -> Vec<&'static str> {
+        let mut words: Vec<&str> = self.verification.hulls.iter().flat_map(|hull| &hull.flaws).copied().collect();
+        words.sort_unstable();
+        words.dedup();
+        words
     }
 
     /// Whether the fit of some parts is not known.
@@ -162,24 +164,23 @@ impl Analysis {
 
 /// Fails if the pack's file cannot be read, or has changed since it was opened.
 pub fn analyse(input: Input) -> Result<Analysis, ReadError> {
-    let Input { path, pack, open_time, source, verification, mut remarks, polygons, up } = input;
+    let Input { path, pack, source, verification, remarks, polygons, excess, frame } = input;
     let contents = Contents::read(path, pack)?;
     let hull_count = pack.hull_count();
     let shown_count = hull_count.min(MAX_HULLS);
     let directions = even_directions(direction_count(shown_count));
     let mut hulls = Vec::new();
-    let mut paces = Vec::new();
-    let mut costs = Vec::new();
     let colours = assigned(&pack.hulls().take(shown_count).map(|hull| hull.bounds()).collect::<Vec<_>>());
-    for ((hull, index), colour) in pack.hulls().zip(&contents.indices).zip(&colours) {
+    let diagonals = diagonals(pack, source.as_ref().map_or(&[], |source| &source.meshes));
+    for (number, (((hull, index), colour), diagonal)) in
+        pack.hulls().zip(&contents.indices).zip(&colours).zip(diagonals).enumerate()
+    {
         let census = census(index, &directions);
-        costs.extend(cost_warning(&hull, &census));
-        paces.push(pace(&hull, &directions, shown_count));
-        hulls.push(HullRow { colour: *colour, ..hull_row(&hull, polygons, census) });
+        let row = hull_row(&hull, polygons, census);
+        hulls.push(HullRow { number, colour: *colour, diagonal, excess: excess(&hull), ..row });
     }
-    remarks.warnings.extend(summary(&costs));
     let shown_meshes = source.as_ref().map(|source| source.meshes.as_slice());
-    let drawn = draw(pack, &contents, shown_meshes, &hulls, polygons, up);
+    let drawn = draw(pack, &contents, shown_meshes, &hulls, polygons, frame);
     let (source, source_points, meshes) = match source {
         Some(source) => (Some(source.name), source.point_count, source.meshes),
         None => (None, 0, Vec::new()),
@@ -193,12 +194,12 @@ pub fn analyse(input: Input) -> Result<Analysis, ReadError> {
         source,
         source_points,
         hull_count,
+        unit: frame.unit,
         vertex_count: pack.hulls().map(|hull| hull.vertex_count()).sum(),
-        times: Times { open: open_time, verification: verification.time, paces },
         verification,
         remarks,
         sections: contents.sections,
-        picture: still(pack, &meshes, &colours, polygons, up),
+        picture: still(pack, &meshes, &colours, polygons, frame.up),
         hulls,
         drawn,
     })
@@ -209,7 +210,12 @@ type Polygons = fn(&Hull) -> Vec<Vec<u32>>;
 fn hull_row(hull: &Hull, polygons: Polygons, census: Census) -> HullRow {
     let worst = hull.worst_cost();
     HullRow {
+        number: 0,
         name: hull.name().to_owned(),
+        part_count: hull.part_count(),
+        diagonal: 0.0,
+        excess: None,
+        is_mesh_volume_known: hull.mesh_mass_properties(1.0).is_some(),
         rank: hull.rank(),
         points: hull.source_point_count(),
         vertices: hull.vertex_count(),
@@ -230,6 +236,22 @@ fn hull_row(hull: &Hull, polygons: Polygons, census: Census) -> HullRow {
     }
 }
 
+/// Diagonal of each hull's mesh, or of the hulls of its object.
+fn diagonals(pack: &Pack, meshes: &[DisplayMesh]) -> Vec<f64> {
+    let hulls: Vec<Hull> = pack.hulls().collect();
+    let mut meshes = meshes.iter();
+    let objects = hulls.chunk_by(|_, next| next.part() > 0).flat_map(|own| {
+        let of_hulls = || {
+            let corners = own.iter().map(Hull::bounds);
+            corners.reduce(|[low, high], [from, to]| [low.min(from), high.max(to)]).map(|box_of| box_of.map(Into::into))
+        };
+        let corners = meshes.next().filter(|mesh| !mesh.points.is_empty()).map(DisplayMesh::bounds).or_else(of_hulls);
+        let [low, high] = corners.unwrap_or_default().map(|corner| DVec3::from(corner.map(f64::from)));
+        vec![low.distance(high); own.len()]
+    });
+    objects.collect()
+}
+
 /// Draws hulls in their order until the page is full.
 fn draw(
     pack: &Pack,
@@ -237,7 +259,7 @@ fn draw(
     meshes: Option<&[DisplayMesh]>,
     rows: &[HullRow],
     polygons: Polygons,
-    up: Up,
+    frame: Frame,
 ) -> Drawn {
     let (limit, resolution) = (triangle_limit(rows.len()), resolution(rows.len()));
     let paired = meshes.filter(|meshes| meshes.len() == pack.hull_count());
@@ -256,10 +278,10 @@ fn draw(
             vertices: row.vertices,
             faces: row.faces,
             index: row.index.clone(),
-            part_count: hull.part_count(),
+            part_count: row.part_count,
             colour: COLOURS[row.colour],
             protrusion: hull.protrusion(),
-            protrusion_at: hull.protrusion_at().map(|at| at.to_array()),
+            protrusion_at: hull.protrusion_at().filter(|_| row.leaves_its_mesh()).map(|at| at.to_array()),
             source: None,
             hull: None,
             gauss: None,
@@ -274,7 +296,7 @@ fn draw(
         }
         drawn.push(next);
     }
-    Drawn { faces: FACES, up, hull_count: pack.hull_count(), hulls: drawn, meshes }
+    Drawn { faces: FACES, up: frame.up, unit: frame.unit, hull_count: pack.hull_count(), hulls: drawn, meshes }
 }
 
 /// Hulls around the meshes, or alone without a source. Parts are drawn alone, each in a colour.

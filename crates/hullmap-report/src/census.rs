@@ -1,11 +1,8 @@
-//! Census of query costs over evenly spread directions, and the time of queries on this machine.
+//! Census of query costs over evenly spread directions.
 
 use std::collections::{BTreeMap, HashMap};
-use std::hint::black_box;
-use std::time::{Duration, Instant};
 
 use glam::{DVec3, Vec3};
-use hullmap::Hull;
 use hullmap_format::IndexKind;
 use serde::Serialize;
 
@@ -17,12 +14,6 @@ const MAX_DIRECTIONS: usize = 40_000;
 const MIN_DIRECTIONS: usize = 2_000;
 
 const DIRECTION_BUDGET: usize = 400_000;
-
-/// Maximum dot products for timing scans, over all hulls of a page: a fraction of a second.
-const SCAN_BUDGET: usize = 40_000_000;
-
-/// Maximum number of timed scans of a hull. More do not make the mean steadier.
-const MAX_SCANS: usize = 10_000;
 
 /// Cosine and sine of the golden angle, π (3 − √5). Repeated rotation by it needs no sine, whose
 /// last digits differ between machines.
@@ -90,50 +81,6 @@ pub fn census(index: &IndexReader, directions: &[Vec3]) -> Census {
     }
 }
 
-/// Mean time of a query, on one thread.
-#[derive(Clone, Copy, Debug)]
-pub struct Pace {
-    pub query: Duration,
-    /// By a scan of all vertices in f32.
-    pub scan: Duration,
-}
-
-/// Times queries and scans in these directions, shuffled so that none follows its neighbour.
-pub fn pace(hull: &Hull, directions: &[Vec3], hull_count: usize) -> Pace {
-    let count = directions.len();
-    let step = stride(count);
-    let next = |at: &usize| Some(if at + step < count { at + step } else { at + step - count });
-    let shuffled: Vec<Vec3> = std::iter::successors(Some(0), next).map(|at| directions[at]).take(count).collect();
-    let time = |directions: &[Vec3], answer: &dyn Fn(Vec3) -> u32| {
-        let start = Instant::now();
-        for &dir in directions {
-            black_box(answer(black_box(dir)));
-        }
-        start.elapsed() / directions.len().max(1) as u32
-    };
-    time(&shuffled, &|dir| hull.support(dir).index);
-    let query = time(&shuffled, &|dir| hull.support(dir).index);
-    let vertices: Vec<Vec3> = hull.vertices().collect();
-    let scans = (SCAN_BUDGET / hull_count.max(1) / vertices.len()).clamp(1, count.min(MAX_SCANS));
-    let scan = time(&shuffled[..scans], &|dir| {
-        let dots = vertices.iter().map(|vertex| vertex.dot(dir)).enumerate();
-        dots.fold((0, f32::NEG_INFINITY), |best, next| if next.1 > best.1 { next } else { best }).0 as u32
-    });
-    Pace { query, scan }
-}
-
-/// A stride that visits all `count` indices: near the golden section of `count`, and coprime to it.
-fn stride(count: usize) -> usize {
-    let is_coprime = |&step: &usize| {
-        let (mut a, mut b) = (count, step);
-        while b > 0 {
-            (a, b) = (b, a % b);
-        }
-        a == 1
-    };
-    (count * 5 / 8..count).chain([1]).find(is_coprime).unwrap_or(1)
-}
-
 #[cfg(test)]
 mod tests {
     use hullmap_bake::IndexKind;
@@ -176,15 +123,5 @@ mod tests {
                 assert_eq!(census.candidates, [[hull.vertex_count() as u64, 3000]]);
             }
         }
-    }
-
-    #[test]
-    fn strides_visit_all() {
-        for count in [1, 2, 3, 4, 100, 2000, 40_000] {
-            let mut seen = vec![false; count];
-            (0..count).for_each(|i| seen[i * stride(count) % count] = true);
-            assert!(seen.iter().all(|&seen| seen), "{count}");
-        }
-        assert!(stride(40_000) > 10_000);
     }
 }

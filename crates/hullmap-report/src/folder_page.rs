@@ -5,10 +5,10 @@ use std::fmt::Write;
 use serde::{Deserialize, Serialize};
 
 use crate::Analysis;
-use crate::html::{count, escape, link};
-use crate::pack_page::Verdict;
+use crate::html::{count, escape, link, sentence, size};
 use crate::page::Page;
 use crate::surface::SurfaceReport;
+use crate::verdict::{Verdict, headline};
 
 const PAGE: Page = Page {
     kind: "folder",
@@ -29,6 +29,8 @@ pub struct Card {
     verdict: Verdict,
     /// Faults, then warnings.
     remarks: Vec<String>,
+    /// The verdict as a sentence.
+    headline: String,
     /// Contents of the pack; `None` if it does not open.
     content: Option<Content>,
 }
@@ -40,7 +42,6 @@ struct Content {
     /// Its picture, as a `data:` URL.
     picture: String,
     hulls: usize,
-    #[serde(default)]
     triangles: usize,
     vertices: usize,
     bytes: usize,
@@ -53,6 +54,7 @@ impl Card {
             name,
             verdict: Verdict::new(pack),
             remarks: pack.remarks.faults.iter().chain(&pack.remarks.warnings).cloned().collect(),
+            headline: headline(pack),
             content: Some(Content {
                 page,
                 picture: pack.picture.clone(),
@@ -71,6 +73,7 @@ impl Card {
             name,
             verdict: surface.verdict(),
             remarks: surface.remarks.faults.iter().chain(&surface.remarks.warnings).cloned().collect(),
+            headline: surface.headline.clone(),
             content: Some(Content {
                 page,
                 picture: surface.picture.clone(),
@@ -102,7 +105,7 @@ impl Card {
 
     /// The card of a pack that does not open, with the reason.
     pub fn unopened(name: String, reason: String) -> Self {
-        Self { name, verdict: Verdict::NotOpened, remarks: vec![reason], content: None }
+        Self { name, verdict: Verdict::NotOpened, headline: reason, remarks: Vec::new(), content: None }
     }
 }
 
@@ -117,19 +120,23 @@ pub fn folder_page(folder: &str, cards: &[Card]) -> String {
         none if none == "0" => String::new(),
         some => format!(" · {some} triangles"),
     };
-    let subtitle = format!(
-        "{} · {} hulls{triangles} · {} vertices · {} bytes",
-        packs(cards.len()),
+    let bytes = cards.iter().filter_map(|card| card.content.as_ref()).map(|content| content.bytes).sum();
+    let headline = format!(
+        "{} · {} hulls{triangles} · {} vertices · {}",
+        match cards.len() {
+            1 => "1 file".to_owned(),
+            files => format!("{} files", count(files as u64)),
+        },
         sum(|content| content.hulls),
         sum(|content| content.vertices),
-        sum(|content| content.bytes)
+        size(bytes)
     );
     let cards_html: String = cards.iter().map(item).collect();
-    let footer = "Made by <code>bake report</code>. Each pack has its own page, in the folder beside this file.";
+    let footer = "Made by <code>bake report</code>. Each file has a page of its own, in the folder beside this one.";
     PAGE.fill(&[
         ("title", &escape(folder)),
         ("verdict", &verdict(cards)),
-        ("subtitle", &subtitle),
+        ("headline", &headline),
         ("cards", &cards_html),
         ("footer", footer),
     ])
@@ -138,9 +145,9 @@ pub fn folder_page(folder: &str, cards: &[Card]) -> String {
 /// The verdicts of all cards in words: all that are not good, or one for all.
 fn verdict(cards: &[Card]) -> String {
     let doubts = Verdict::DOUBTS.iter().filter_map(|doubt| {
-        let count = cards.iter().filter(|card| card.verdict == *doubt).count();
+        let n = cards.iter().filter(|card| card.verdict == *doubt).count();
         let (class, word) = doubt.words();
-        (count > 0).then(|| format!("<span class=\"chip {class}\">{} {word}</span>", packs(count)))
+        (n > 0).then(|| format!("<span class=\"chip {class}\">{word}: {n}</span>"))
     });
     let doubts: String = doubts.collect();
     if !doubts.is_empty() {
@@ -150,10 +157,6 @@ fn verdict(cards: &[Card]) -> String {
     format!("<span class=\"chip good\">{word}</span>")
 }
 
-fn packs(n: usize) -> String {
-    format!("{} {}", count(n as u64), if n == 1 { "pack" } else { "packs" })
-}
-
 fn item(card: &Card) -> String {
     let name = escape(&card.name);
     let is_odd = card.verdict.words().0 != "good" || !card.remarks.is_empty();
@@ -161,26 +164,23 @@ fn item(card: &Card) -> String {
     match &card.content {
         Some(content) => {
             let page = escape(&link(&content.page));
-            let contents = match (content.hulls, content.triangles) {
-                (1, _) => "1 hull".to_owned(),
-                (hulls, 0) => format!("{} hulls", count(hulls as u64)),
-                (_, triangles) => format!("{} triangles", count(triangles as u64)),
-            };
             let _ = write!(
                 out,
                 "<a class=\"picture\" href=\"{page}\" tabindex=\"-1\" aria-hidden=\"true\"><img src=\"{}\" width=\"160\" height=\"120\" alt=\"\"></a>\n\
-                 <div class=\"text\"><h2><a href=\"{page}\">{name}</a></h2>{}\n<p>{contents} · {} vertices · {} bytes</p>\n",
+                 <div class=\"text\"><h2><a href=\"{page}\">{name}</a></h2>{}\n<p class=\"said\">{}</p>\n<p>{} vertices · {}</p>\n",
                 content.picture,
                 card.verdict.html(),
+                sentence(&card.headline),
                 count(content.vertices as u64),
-                count(content.bytes as u64)
+                size(content.bytes)
             );
         }
         None => {
             let _ = write!(
                 out,
-                "<div class=\"picture soft\">no picture</div>\n<div class=\"text\"><h2>{name}</h2>{}\n",
-                card.verdict.html()
+                "<div class=\"picture soft\">no picture</div>\n<div class=\"text\"><h2>{name}</h2>{}\n<p class=\"said\">{}</p>\n",
+                card.verdict.html(),
+                sentence(&card.headline)
             );
         }
     }

@@ -30,6 +30,11 @@ pub fn plain(text: &str) -> String {
     text.chars().map(shown).collect()
 }
 
+/// A sentence in which the option that it recommends stays in one piece.
+pub fn sentence(text: &str) -> String {
+    escape(text).replace("--decompose", "<code>--decompose</code>")
+}
+
 /// A value as JSON for a `script` element: `<` is escaped so that no tag can begin.
 pub fn json(value: &impl Serialize) -> String {
     // In JSON, `<` occurs only in strings.
@@ -69,6 +74,39 @@ pub fn facts(rows: &[(&str, String)]) -> String {
     rows.iter().map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n")).collect()
 }
 
+/// A table that scrolls within the page. Each head states whether its column holds words; rows have
+/// attributes of their element and cells of HTML; the last row may be the sums.
+pub fn table(label: &str, heads: &[(&str, bool)], rows: &[(String, Vec<String>)], has_sums: bool) -> String {
+    let class = |is_word: bool, head: &str| match (is_word, head) {
+        (true, "hull" | "part" | "link") => " class=\"word name\"",
+        (true, _) => " class=\"word\"",
+        (false, _) => "",
+    };
+    let mut out = format!(
+        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{label}\"><table aria-label=\"{label}\">\n<thead><tr>"
+    );
+    for (head, is_word) in heads {
+        out += &format!("<th scope=\"col\"{}>{head}</th>", class(*is_word, head));
+    }
+    out += "</tr></thead>\n<tbody>\n";
+    for (at, (attributes, cells)) in rows.iter().enumerate() {
+        if has_sums && at + 1 == rows.len() {
+            out += "</tbody>\n<tfoot>\n";
+        }
+        out += &format!("<tr{attributes}>");
+        for (cell, (head, is_word)) in cells.iter().zip(heads) {
+            out += &format!("<td{}>{cell}</td>", class(*is_word, head));
+        }
+        out += "</tr>\n";
+    }
+    out + if has_sums { "</tfoot></table></div>\n" } else { "</tbody>\n</table></div>\n" }
+}
+
+/// A cell that is a button, pressed as long as its row is shown.
+pub fn button(content: &str) -> String {
+    format!("<button type=\"button\" aria-pressed=\"false\">{content}</button>")
+}
+
 /// The section about what a page lacks; empty if that is nothing.
 pub fn left_out(list: &[String]) -> String {
     if list.is_empty() {
@@ -93,6 +131,27 @@ pub fn origin(found: Option<&str>, recorded: &str, options: &str, format_version
         None => format!("source {} not found", escape(recorded)),
     };
     format!("{source} · options: {} · format {format_version}", escape(options))
+}
+
+/// A share in per cent, with about two digits.
+pub fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    match percent {
+        0.005.. if percent < 1.0 => format!("{percent:.2}\u{a0}%"),
+        1.0.. if percent < 9.95 => format!("{percent:.1}\u{a0}%"),
+        9.95.. => format!("{}\u{a0}%", count(percent.round() as u64)),
+        _ if percent.is_nan() => "?".to_owned(),
+        _ => "less than 0.01\u{a0}%".to_owned(),
+    }
+}
+
+/// A number of bytes in the largest unit that leaves a whole.
+pub fn size(bytes: usize) -> String {
+    match bytes {
+        0..1_000 => format!("{bytes}\u{a0}bytes"),
+        1_000..1_000_000 => format!("{:.0}\u{a0}kB", bytes as f64 / 1e3),
+        _ => format!("{:.1}\u{a0}MB", bytes as f64 / 1e6),
+    }
 }
 
 /// A number with at most four significant digits.
@@ -155,5 +214,10 @@ mod tests {
         let shown = [0.0, 1.0, 1234567.0, 0.123456, -2.5, 1e-7, 1e9, 99.999].map(short);
         assert_eq!(shown, ["0", "1", "1\u{202f}234\u{202f}567", "0.1235", "−2.5", "1e−7", "1e9", "100"]);
         assert_eq!([f64::NAN, f64::INFINITY].map(short), ["NaN", "inf"]);
+        let shares = [0.0, 1e-5, 0.0012, 0.0999, 4.38, f64::NAN].map(percent);
+        let shown = ["less than 0.01 %", "less than 0.01 %", "0.12 %", "10 %", "438 %", "?"];
+        assert_eq!(shares.map(|text| text.replace('\u{a0}', " ")), shown);
+        let sizes = [999, 1_512, 2_500_000].map(|bytes| size(bytes).replace('\u{a0}', " "));
+        assert_eq!(sizes, ["999 bytes", "2 kB", "2.5 MB"]);
     }
 }

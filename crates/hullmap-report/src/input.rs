@@ -1,7 +1,6 @@
 //! Input of the report: a pack, its source, the verification results, and remarks.
 
 use std::path::Path;
-use std::time::Duration;
 
 use hullmap::{Hull, Pack};
 use serde::Serialize;
@@ -15,8 +14,6 @@ pub struct Input<'a> {
     pub path: &'a Path,
     /// The pack, opened and checked.
     pub pack: &'a Pack,
-    /// Time to open and check the pack.
-    pub open_time: Duration,
     /// The source, if it was found and can be used.
     pub source: Option<Source>,
     /// Results of verification.
@@ -25,8 +22,20 @@ pub struct Input<'a> {
     pub remarks: Remarks,
     /// Vertex indices of each face of a hull. The faces of large hulls are not in lean packs.
     pub polygons: fn(&Hull<'_>) -> Vec<Vec<u32>>,
+    /// Excess of a hull's volume over its mesh's, relative to the latter, if the hull fills hollows
+    /// of the mesh that matter.
+    pub excess: fn(&Hull<'_>) -> Option<f64>,
+    /// Up axis and unit.
+    pub frame: Frame,
+}
+
+/// How people read the coordinates of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frame {
     /// Axis that points up in the pictures.
     pub up: Up,
+    /// Unit of lengths, after a number.
+    pub unit: &'static str,
 }
 
 /// The source of a pack.
@@ -49,8 +58,6 @@ pub struct Verification {
     pub directions: usize,
     /// One result for each hull; empty if the pack could not be compared with its source.
     pub hulls: Vec<VerifiedHull>,
-    /// Time taken by all hulls.
-    pub time: Duration,
 }
 
 /// Result of verifying one hull.

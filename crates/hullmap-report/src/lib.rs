@@ -16,8 +16,9 @@
 //! | `display_mesh` | triangles and edges to draw |
 //! | `solid_mesh` | meshes of primitives |
 //! | `picture` | a still picture of them |
+//! | `verdict` | the verdict in plain words, and the worst place |
 //! | `parts_section`, `part_colours` | the parts of decomposed meshes |
-//! | `sizes`, `cost_warnings` | bytes by section; hulls whose queries are slow |
+//! | `sizes` | bytes by section |
 //! | [`surface`], `surface_page` | a triangle mesh or height field, and its page |
 //! | [`robot`], `robot_page` | a robot, and its page |
 //! | `relief` | a height field as a shaded relief |
@@ -29,7 +30,6 @@
 mod analysis;
 mod cells;
 mod census;
-mod cost_warnings;
 mod display_mesh;
 mod encode;
 mod folder_page;
@@ -51,6 +51,7 @@ pub mod surface;
 mod surface_page;
 #[cfg(test)]
 mod test_packs;
+mod verdict;
 
 pub use analysis::{Analysis, analyse};
 pub use display_mesh::DisplayMesh;

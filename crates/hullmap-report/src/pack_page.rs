@@ -1,15 +1,13 @@
 use std::fmt::Write;
-use std::time::Duration;
-
-use serde::{Deserialize, Serialize};
 
 use crate::analysis::{Analysis, HullRow, MAX_HULLS};
-use crate::census::{Pace, mean};
+use crate::census::mean;
 use crate::display_mesh::EncodedMesh;
 use crate::html::{self, count, escape, json, or_dash, origin, short};
 use crate::input::{Remarks, VerifiedHull};
 use crate::page::{Page, crumb};
-use crate::parts_section::parts_section;
+use crate::parts_section::{parts_facts, parts_table};
+use crate::verdict::{Verdict, headline, worst_place};
 
 const PAGE: Page = Page {
     kind: "pack",
@@ -27,119 +25,50 @@ const PAGE: Page = Page {
     ],
 };
 
-/// The page of a pack: a function of pack, source and arguments, apart from the part between `<!--
-/// times -->` and `<!-- /times -->`. `index` is the link to the page of its folder.
+/// The page of a pack: a function of pack, source and arguments. `index` is the link to the page of
+/// its folder.
 pub fn pack_page(pack: &Analysis, index: Option<&str>) -> String {
     let title = escape(&pack.file);
-    let subtitle = origin(pack.source.as_deref(), &pack.recorded_source, &pack.options, pack.format_version);
-    let alt = if pack.source.is_some() { "The source mesh inside its hull" } else { "The hull" };
+    let origin = origin(pack.source.as_deref(), &pack.recorded_source, &pack.options, pack.format_version);
+    let alt = if pack.source.is_some() { "The mesh inside its hull" } else { "The hull" };
+    let [warnings, notes] = remark_sections(&pack.remarks);
     PAGE.fill(&[
         ("title", &title),
         ("crumb", &crumb(index)),
         ("verdict", &Verdict::new(pack).html()),
-        ("subtitle", &subtitle),
-        ("warnings", &warnings(&pack.remarks)),
+        ("headline", &html::sentence(&headline(pack))),
+        ("worst", &worst_place(pack)),
+        ("warnings", &warnings),
+        ("notes", &notes),
+        ("origin", &origin),
         ("facts", &facts(pack)),
         ("picture", &pack.picture),
         ("picture_alt", alt),
-        ("source_note", &source_note(pack)),
-        ("parts", &parts_section(pack)),
+        ("parts", &parts_table(pack)),
+        ("parts_facts", &parts_facts(pack)),
         ("hulls", &hulls(pack)),
         ("verification", &verification(pack)),
         ("sizes", &sizes(pack)),
         ("limits", &limits(pack)),
         ("data", &json(&pack.drawn)),
-        ("times", &times(pack)),
-        ("footer", "Made by <code>bake report</code>. Lengths are in the source's units."),
+        ("footer", "Made by <code>bake report</code>."),
     ])
 }
 
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Verdict {
-    NotOpened,
-    Failed,
-    /// It has parts without measures.
-    Unmeasured,
-    /// It has parts that an engine cannot use well.
-    PartsNeedAttention,
-    /// It has parts, and its source was not found.
-    BoundsUnchecked,
-    /// Its source was not found.
-    ExactForTheStoredHull,
-    /// A triangle mesh, and its source was not found.
-    ExactForTheStoredTriangles,
-    /// No hull is simplified; or a triangle mesh equals its source.
-    Exact,
-    /// It has parts that differ from their mesh.
-    WithinItsBounds,
-    /// It has simplified hulls.
-    ContainsItsSource,
+/// The sections of faults and warnings, and of notes; empty if there are none.
+pub fn remark_sections(remarks: &Remarks) -> [String; 2] {
+    let acts = [("bad", "Fault", &remarks.faults), ("odd", "Warning", &remarks.warnings)];
+    [section("Warnings", "warnings", &acts), section("Notes", "notes", &[("plain", "Note", &remarks.notes)])]
 }
 
-impl Verdict {
-    pub fn new(pack: &Analysis) -> Self {
-        if !pack.remarks.faults.is_empty() {
-            Self::Failed
-        } else if pack.has_unmeasured_parts() {
-            Self::Unmeasured
-        } else if pack.source.is_none() && pack.has_loose_parts() {
-            Self::BoundsUnchecked
-        } else if pack.has_flaws() {
-            Self::PartsNeedAttention
-        } else if pack.source.is_none() {
-            Self::ExactForTheStoredHull
-        } else if pack.is_exact() {
-            Self::Exact
-        } else if pack.has_loose_parts() {
-            Self::WithinItsBounds
-        } else {
-            Self::ContainsItsSource
-        }
-    }
-
-    /// The verdicts that are not good, the worst first.
-    pub const DOUBTS: [Self; 7] = [
-        Self::NotOpened,
-        Self::Failed,
-        Self::Unmeasured,
-        Self::BoundsUnchecked,
-        Self::PartsNeedAttention,
-        Self::ExactForTheStoredHull,
-        Self::ExactForTheStoredTriangles,
-    ];
-
-    /// The verdict in a few words, and the class of its chip: `bad`, `odd` or `good`.
-    pub fn words(self) -> (&'static str, &'static str) {
-        match self {
-            Self::NotOpened => ("bad", "not opened"),
-            Self::Failed => ("bad", "failed"),
-            Self::Unmeasured => ("odd", "unmeasured"),
-            Self::BoundsUnchecked => ("odd", "bounds unchecked"),
-            Self::PartsNeedAttention => ("odd", "parts need attention"),
-            Self::ExactForTheStoredHull => ("odd", "exact for the stored hull"),
-            Self::ExactForTheStoredTriangles => ("odd", "exact for the stored triangles"),
-            Self::Exact => ("good", "exact"),
-            Self::WithinItsBounds => ("good", "within its bounds"),
-            Self::ContainsItsSource => ("good", "contains its source"),
-        }
-    }
-
-    pub fn html(self) -> String {
-        let (class, word) = self.words();
-        format!("<span class=\"chip {class}\">{word}</span>")
-    }
-}
-
-/// The section of faults, warnings and notes; empty if there are none.
-pub fn warnings(remarks: &Remarks) -> String {
-    if remarks.faults.is_empty() && remarks.warnings.is_empty() && remarks.notes.is_empty() {
+fn section(title: &str, id: &str, lists: &[(&str, &str, &Vec<String>)]) -> String {
+    if lists.iter().all(|(.., list)| list.is_empty()) {
         return String::new();
     }
-    let mut out = "<section aria-labelledby=\"warnings-title\">\n<h2 id=\"warnings-title\">Warnings and notes</h2>\n<ul class=\"warnings\">\n".to_owned();
-    for (class, word, list) in
-        [("bad", "Fault", &remarks.faults), ("odd", "Warning", &remarks.warnings), ("plain", "Note", &remarks.notes)]
-    {
+    let mut out = format!(
+        "<section aria-labelledby=\"{id}-title\">\n<h2 id=\"{id}-title\">{title}</h2>\n<ul class=\"warnings\">\n"
+    );
+    for (class, word, list) in lists {
         for text in list.iter().take(MAX_WARNINGS) {
             let _ = writeln!(out, "<li class=\"{class}\"><strong>{word}:</strong> {}</li>", escape(text));
         }
@@ -169,11 +98,6 @@ fn facts(pack: &Analysis) -> String {
     if pack.hulls.len() == pack.hull_count {
         rows.push(("Index, bytes per vertex", share(total(|hull| hull.index_bytes))));
     }
-    let bound = |pick: fn(&HullRow) -> Option<f64>| pack.hulls.iter().filter_map(pick).reduce(f64::max);
-    if let (Some(uncovered), Some(protrusion)) = (bound(|hull| hull.uncovered), bound(|hull| hull.protrusion)) {
-        rows.push(("Surface uncovered, at most", short(uncovered)));
-        rows.push(("Parts protrude, at most", short(protrusion)));
-    }
     let average = |pick: fn(&HullRow) -> f64| pack.hulls.iter().map(pick).sum::<f64>() / pack.hulls.len().max(1) as f64;
     let worst = |pick: fn(&HullRow) -> u32| pack.hulls.iter().map(pick).max().unwrap_or(0);
     let nodes = (average(|hull| mean(&hull.census.nodes)), worst(|hull| hull.max_nodes));
@@ -187,43 +111,10 @@ fn facts(pack: &Analysis) -> String {
     html::facts(&rows)
 }
 
-fn source_note(pack: &Analysis) -> String {
-    match (&pack.source, pack.remarks.faults.is_empty()) {
-        (Some(_), _) => "Left: the source mesh. Right: its hull, from the same side.".to_owned(),
-        (None, true) => "The source mesh was not found; the hull is shown alone.".to_owned(),
-        (None, false) => "The source mesh cannot be used; the hull is shown alone.".to_owned(),
-    }
-}
-
-/// A table. Each head states whether its column holds words; cells are HTML.
-fn table(caption: &str, heads: &[(&str, bool)], rows: impl Iterator<Item = Vec<String>>, foot: &[String]) -> String {
-    // Outside the scrolling element, it wraps if the table is wider than the screen.
-    let mut out = format!(
-        "<p class=\"soft\">{caption}</p>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\"><table aria-label=\"{caption}\">\n<thead><tr>"
-    );
-    let class = |is_word: bool| if is_word { " class=\"word\"" } else { "" };
-    for (head, is_word) in heads {
-        let _ = write!(out, "<th scope=\"col\"{}>{head}</th>", class(*is_word));
-    }
-    out.push_str("</tr></thead>\n<tbody>\n");
-    let line = |out: &mut String, cells: &[String]| {
-        out.push_str("<tr>");
-        for (cell, (head, is_word)) in cells.iter().zip(heads) {
-            let class = if *head == "hull" { " class=\"word name\"" } else { class(*is_word) };
-            let _ = write!(out, "<td{class}>{cell}</td>");
-        }
-        out.push_str("</tr>\n");
-    };
-    for row in rows {
-        line(&mut out, &row);
-    }
-    out.push_str("</tbody>\n");
-    if !foot.is_empty() {
-        out.push_str("<tfoot>");
-        line(&mut out, foot);
-        out.push_str("</tfoot>");
-    }
-    out + "</table></div>\n"
+/// A table below its caption, which wraps if the table is wider than the screen.
+fn table(caption: &str, heads: &[(&str, bool)], rows: impl Iterator<Item = Vec<String>>, has_sums: bool) -> String {
+    let rows: Vec<_> = rows.map(|cells| (String::new(), cells)).collect();
+    format!("<p class=\"soft\">{caption}</p>\n{}", html::table(caption, heads, &rows, has_sums))
 }
 
 fn rank_name(rank: u32) -> &'static str {
@@ -235,7 +126,7 @@ fn rank_name(rank: u32) -> &'static str {
     }
 }
 
-/// Two tables of the hulls, each narrow enough for a screen.
+/// The table of the hulls, narrow enough for a screen.
 fn hulls(pack: &Analysis) -> String {
     let heads = [
         ("hull", true),
@@ -267,35 +158,15 @@ fn hulls(pack: &Analysis) -> String {
             or_dash(hull.protrusion, short),
         ]
     });
-    let shapes = table(
+    table(
         "The hulls of the pack. Error: how far a source point lies outside, relative to the diameter. Outer error: bound on \
          how far a simplified hull extends beyond its source, a length. Uncovered: bound on how far a point of the mesh's surface \
          lies outside all of its parts, a length. Protrusion: bound on how far a point of the part lies outside the mesh's \
          solid, a length.",
         &heads,
         rows,
-        &[],
-    );
-    let heads = [
-        ("hull", true),
-        ("index", true),
-        ("bytes", false),
-        ("per vertex", false),
-        ("nodes", false),
-        ("candidates", false),
-    ];
-    let rows = pack.hulls.iter().map(|hull| {
-        vec![
-            escape(&hull.name),
-            escape(&hull.index),
-            count(hull.index_bytes as u64),
-            format!("{:.1}", hull.index_bytes as f64 / hull.vertices.max(1) as f64),
-            format!("{:.2}", mean(&hull.census.nodes)),
-            format!("{:.2}", mean(&hull.census.candidates)),
-        ]
-    });
-    let indices = "Their direction indices. Nodes and candidates are means over all directions.";
-    shapes + &table(indices, &heads, rows, &[])
+        false,
+    )
 }
 
 fn verification(pack: &Analysis) -> String {
@@ -354,7 +225,7 @@ fn verification(pack: &Analysis) -> String {
             format!("<span class=\"chip {class}\">{word}</span>"),
         ]
     });
-    table(&caption, &heads, rows, &[])
+    table(&caption, &heads, rows, false)
 }
 
 fn sizes(pack: &Analysis) -> String {
@@ -383,7 +254,7 @@ fn sizes(pack: &Analysis) -> String {
     });
     let foot =
         ["whole file", "", "", &count(pack.bytes as u64), &per_vertex(pack.bytes), "100 %", ""].map(str::to_owned);
-    table("Bytes of the file by section, in the order of the file", &heads, rows, &foot)
+    table("Bytes of the file by section, in the order of the file", &heads, rows.chain([foot.into()]), true)
 }
 
 fn limits(pack: &Analysis) -> String {
@@ -416,31 +287,4 @@ fn limits(pack: &Analysis) -> String {
         ));
     }
     html::left_out(&list)
-}
-
-fn times(pack: &Analysis) -> String {
-    let times = &pack.times;
-    let nanos = |pick: fn(&Pace) -> Duration| {
-        let sum: f64 = times.paces.iter().map(|pace| pick(pace).as_secs_f64() * 1e9).sum();
-        sum / times.paces.len().max(1) as f64
-    };
-    let (query, scan) = (nanos(|pace| pace.query), nanos(|pace| pace.scan));
-    let millis = |time: Duration| format!("{} ms", short(time.as_secs_f64() * 1e3));
-    let rows = [
-        ("Support query with the index, directions shuffled", format!("{} ns", short(query))),
-        ("Support query by a scan of all vertices", format!("{} ns", short(scan))),
-        ("Scan time relative to the index", short(scan / query)),
-        ("Opening and checking the pack", millis(times.open)),
-        ("Verifying all hulls", millis(times.verification)),
-    ];
-    let rows = rows.into_iter().map(|(what, value)| vec![what.to_owned(), value]);
-    let build = if cfg!(debug_assertions) {
-        " This build of <code>bake</code> is not optimised, so the times mean little."
-    } else {
-        ""
-    };
-    format!(
-        "<!-- times -->\n<section aria-labelledby=\"times-title\" id=\"times\">\n<h2 id=\"times-title\">Times</h2>\n<p>Measured while this page was written, on the machine that wrote it. Times differ from run to run and from machine to machine; the ratio, and the counts of nodes and dot products above, are more reliable.{build}</p>\n{}</section>\n<!-- /times -->",
-        table("Means over the hulls, on one thread", &[("measurement", true), ("time", false)], rows, &[])
-    )
 }

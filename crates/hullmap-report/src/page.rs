@@ -21,7 +21,7 @@ pub struct Page {
 }
 
 impl Page {
-    /// Every page needs `title`, `subtitle` and `footer`; `crumb` and `verdict` may be missing.
+    /// Every page needs `title`, `headline` and `footer`; `crumb` and `verdict` may be missing.
     pub fn fill(&self, values: &[(&str, &str)]) -> String {
         let (script, script_source) = if self.scripts.is_empty() {
             (String::new(), "")
@@ -46,6 +46,6 @@ impl Page {
 /// The line above the title: a link to the page of the folder, if there is one.
 pub fn crumb(index: Option<&str>) -> String {
     index.map_or_else(String::new, |index| {
-        format!("<p class=\"crumb\"><a href=\"{}\">← all packs</a></p>\n", escape(&link(index)))
+        format!("<p class=\"crumb\"><a href=\"{}\">← all files</a></p>\n", escape(&link(index)))
     })
 }

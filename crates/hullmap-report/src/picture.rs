@@ -25,6 +25,13 @@ const VIEW: [[f64; 3]; 3] = [
     [-0.519_836_790_726, -0.742_403_876_506, 0.422_618_261_741],
 ];
 
+/// Axes of the view of a level: tilted 60° down.
+const FROM_ABOVE: [[f64; 3]; 3] = [
+    [0.819_152_044_289, -0.573_576_436_351, 0.0],
+    [0.496_731_764_892, 0.709_406_479_866, 0.5],
+    [-0.286_788_218_176, -0.409_576_022_145, 0.866_025_403_784],
+];
+
 /// Direction to the light, in the axes of the view.
 const LIGHT: [f64; 3] = [-0.36, 0.6, 0.71];
 
@@ -44,22 +51,33 @@ const HULL_ALPHA: u8 = 150;
 pub fn picture(hulls: &[DisplayMesh], meshes: &[DisplayMesh], up: Up) -> String {
     let layer = |layer: usize| move |shape| (shape, layer);
     let layers = [hulls.iter().map(layer(0)).collect(), meshes.iter().map(layer(1)).collect()];
-    let pixels = draw(&layers, up);
-    format!("data:image/png;base64,{}", base64(&png(&pixels, &COLOURS, HULL_ALPHA)))
+    two_colours(&draw(&layers, up, VIEW))
+}
+
+/// The picture of a level, as a `data:` URL.
+pub fn picture_from_above(mesh: &DisplayMesh, up: Up) -> String {
+    two_colours(&draw(&[vec![(mesh, 1)]], up, FROM_ABOVE))
+}
+
+fn two_colours(pixels: &[u8]) -> String {
+    format!("data:image/png;base64,{}", base64(&png(pixels, &COLOURS, HULL_ALPHA)))
 }
 
 /// Picture as a `data:` URL. Parts beyond the `colours` take these in turn.
 pub fn picture_of_parts(parts: &[DisplayMesh], colours: &[usize], up: Up) -> String {
     let colour = |index: usize| colours.get(index).copied().unwrap_or(index % COLOUR_COUNT);
     let layer = parts.iter().enumerate().map(|(index, part)| (part, colour(index)));
-    let pixels = draw(&[layer.collect()], up);
+    let pixels = draw(&[layer.collect()], up, VIEW);
     let shades = PART_COLOURS.map(|light| [light.map(|c| (f64::from(c) * PART_DARKEST) as u8), light]);
     format!("data:image/png;base64,{}", base64(&png(&pixels, &shades, u8::MAX)))
 }
 
 /// The pixels of shapes, each with its colour. A group of shapes is in front of earlier groups.
-fn draw(groups: &[Vec<(&DisplayMesh, usize)>], up: Up) -> Vec<u8> {
-    let seen = |point: [f32; 3]| seen(point, up);
+fn draw(groups: &[Vec<(&DisplayMesh, usize)>], up: Up, view: [[f64; 3]; 3]) -> Vec<u8> {
+    let seen = |[x, y, z]: [f32; 3]| {
+        let point = if up == Up::Z { [x, y, z] } else { [x, -z, y] };
+        view.map(|axis| (0..3).map(|i| axis[i] * f64::from(point[i])).sum::<f64>())
+    };
     let all = || groups.iter().flatten().map(|(shape, _)| *shape);
     let mut low = [f64::INFINITY; 2];
     let mut high = [f64::NEG_INFINITY; 2];
@@ -107,11 +125,6 @@ fn draw(groups: &[Vec<(&DisplayMesh, usize)>], up: Up) -> Vec<u8> {
         }
     }
     pixels
-}
-
-fn seen([x, y, z]: [f32; 3], up: Up) -> [f64; 3] {
-    let point = if up == Up::Z { [x, y, z] } else { [x, -z, y] };
-    VIEW.map(|axis| (0..3).map(|i| axis[i] * f64::from(point[i])).sum())
 }
 
 fn colour(layer: usize, shade: f64) -> u8 {
@@ -263,13 +276,24 @@ mod tests {
     }
 
     #[test]
-    fn the_view_is_a_rotation() {
-        for (i, a) in VIEW.iter().enumerate() {
-            for (j, b) in VIEW.iter().enumerate() {
-                let dot: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
-                assert!((dot - f64::from(u8::from(i == j))).abs() < 1e-8);
+    fn views_are_rotations() {
+        for view in [VIEW, FROM_ABOVE] {
+            for (i, a) in view.iter().enumerate() {
+                for (j, b) in view.iter().enumerate() {
+                    let dot: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+                    assert!((dot - f64::from(u8::from(i == j))).abs() < 1e-8);
+                }
             }
+            assert!(glam::DVec3::from(view[0]).cross(view[1].into()).dot(view[2].into()) > 0.999);
         }
-        assert!(glam::DVec3::from(VIEW[0]).cross(VIEW[1].into()).dot(VIEW[2].into()) > 0.999);
+    }
+
+    #[test]
+    fn levels_are_seen_from_above() {
+        let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let ground = DisplayMesh { points, triangles: vec![[0, 1, 2], [0, 2, 3]], ..DisplayMesh::default() };
+        let drawn = |picture: &str| pixels(picture).iter().filter(|&&pixel| pixel > 0).count();
+        let [above, beside] = [picture_from_above(&ground, Up::Z), picture(&[], &[ground], Up::Z)].map(|p| drawn(&p));
+        assert!(above as f64 > 1.5 * beside as f64, "{above} {beside}");
     }
 }

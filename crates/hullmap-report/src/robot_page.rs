@@ -10,11 +10,12 @@ use crate::DisplayMesh;
 use crate::display_mesh::{EncodedMesh, triangle_limit};
 use crate::html::{self, count, escape, json, or_dash};
 use crate::input::Up;
-use crate::pack_page::warnings;
+use crate::pack_page::remark_sections;
 use crate::page::Page;
 use crate::part_colours::{COLOURS, assigned};
 use crate::picture::picture_of_parts;
 use crate::robot::{Joint, Layer, Link, Placement, Robot, Touching};
+use crate::verdict::FAILED;
 
 const PAGE: Page = Page {
     kind: "robot",
@@ -70,12 +71,15 @@ pub fn robot_page(robot: &Robot) -> String {
     let undrawn =
         drawn.meshes.iter().zip(&meshes).filter(|(own, mesh)| own.is_none() && !mesh.points.is_empty()).count();
     let title = escape(&robot.file);
-    let subtitle = format!("{} · written to {}", escape(&robot.format), escape(&robot.output));
+    let origin = format!("{} · written to {}", escape(&robot.format), escape(&robot.output));
+    let [warnings, notes] = remark_sections(&robot.remarks);
     PAGE.fill(&[
         ("title", &title),
         ("verdict", &verdict(robot)),
-        ("subtitle", &subtitle),
-        ("warnings", &warnings(&robot.remarks)),
+        ("headline", &headline(robot)),
+        ("warnings", &warnings),
+        ("notes", &notes),
+        ("origin", &origin),
         ("facts", &facts(robot)),
         ("picture", &picture),
         ("links", &links(robot)),
@@ -164,6 +168,21 @@ fn verdict(robot: &Robot) -> String {
     }
 }
 
+fn headline(robot: &Robot) -> String {
+    if !robot.remarks.faults.is_empty() {
+        return FAILED.to_owned();
+    }
+    let sum = |side: usize| robot.links.iter().map(|link| link.pieces[side]).sum::<usize>() as u64;
+    let touching = match touching_counts(robot)[1] {
+        0 => "no links touch in the neutral pose".to_owned(),
+        1 => "1 pair of links touches in the neutral pose".to_owned(),
+        some => format!("{} pairs of links touch in the neutral pose", count(some as u64)),
+    };
+    let far = worst(robot, |link| link.protrusion_mm[1]);
+    let far = far.map_or_else(String::new, |far| format!("; no shape leaves its link by more than {far:.2}\u{a0}mm"));
+    format!("{} convex shapes instead of {}; {touching}{far}.", count(sum(1)), count(sum(0)))
+}
+
 fn pairs(n: usize) -> String {
     format!("{} {}", count(n as u64), if n == 1 { "pair" } else { "pairs" })
 }
@@ -193,31 +212,15 @@ fn facts(robot: &Robot) -> String {
     html::facts(&rows)
 }
 
-/// A table. Heads say whether their column holds words. Rows have the links that they show, and
-/// cells, the first of which becomes a button.
+/// A table whose rows have the links that they show, and cells; the first becomes a button.
 fn table(label: &str, heads: &[(&str, bool)], rows: &[(Vec<usize>, Vec<String>)]) -> String {
-    let mut out = format!(
-        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{label}\"><table aria-label=\"{label}\">\n<thead><tr>"
-    );
-    let class = |is_word: bool| if is_word { " class=\"word name\"" } else { "" };
-    for (head, is_word) in heads {
-        let _ = write!(out, "<th scope=\"col\"{}>{head}</th>", class(*is_word));
-    }
-    out += "</tr></thead>\n<tbody>\n";
-    for (links, cells) in rows.iter().take(MAX_ROWS) {
+    let shown = rows.iter().take(MAX_ROWS).map(|(links, cells)| {
         let links: Vec<String> = links.iter().map(usize::to_string).collect();
-        let _ = write!(out, "<tr data-links=\"{}\">", links.join(" "));
-        for (column, (cell, (_, is_word))) in cells.iter().zip(heads).enumerate() {
-            let cell = if column == 0 {
-                format!("<button type=\"button\" aria-pressed=\"false\">{cell}</button>")
-            } else {
-                cell.clone()
-            };
-            let _ = write!(out, "<td{}>{cell}</td>", class(*is_word));
-        }
-        out += "</tr>\n";
-    }
-    out += "</tbody>\n</table></div>\n";
+        let mut cells = cells.clone();
+        cells[0] = html::button(&cells[0]);
+        (format!(" data-links=\"{}\"", links.join(" ")), cells)
+    });
+    let mut out = html::table(label, heads, &shown.collect::<Vec<_>>(), false);
     if rows.len() > MAX_ROWS {
         let _ = writeln!(out, "<p class=\"soft\">and {} more</p>", count((rows.len() - MAX_ROWS) as u64));
     }

@@ -8,11 +8,11 @@ use serde::Serialize;
 
 use crate::DisplayMesh;
 use crate::display_mesh::{EncodedMesh, MAX_TRIANGLES, encoded_edges};
-use crate::html::count;
-use crate::input::{Remarks, Up};
-use crate::pack_page::Verdict;
-use crate::picture::picture;
+use crate::html::{count, short};
+use crate::input::{Frame, Remarks, Up};
+use crate::picture::picture_from_above;
 use crate::relief::relief;
+use crate::verdict::{FAILED, Verdict};
 
 /// Maximum width and height of a relief on its page and on its card, in pixels.
 const RELIEF: usize = 1024;
@@ -35,8 +35,8 @@ pub struct SurfaceInput<'a> {
     pub checks: Option<Checks>,
     /// Number of T-junctions of a triangle mesh.
     pub t_junctions: usize,
-    /// The axis that points up.
-    pub up: Up,
+    /// Up axis and unit.
+    pub frame: Frame,
 }
 
 /// Comparisons by brute force.
@@ -70,6 +70,7 @@ pub struct SurfaceReport {
     pub(crate) options: String,
     pub(crate) format_version: u32,
     pub(crate) checks: Option<Checks>,
+    pub(crate) headline: String,
     pub(crate) facts: Vec<(&'static str, String)>,
     /// For the card.
     pub(crate) picture: String,
@@ -102,22 +103,39 @@ pub(crate) struct DrawnClass {
 impl SurfaceReport {
     /// Gathers what the page shows, in O(n log n) for n triangles.
     pub fn new(input: SurfaceInput) -> Self {
-        let SurfaceInput { path, asset, source, options, remarks, checks, t_junctions, up } = input;
+        let SurfaceInput { path, asset, source, options, remarks, checks, t_junctions, frame } = input;
         let bytes = asset.bytes().len();
-        let (view, picture, [triangle_count, vertex_count], facts) = match asset {
+        let (view, picture, [triangle_count, vertex_count], mut headline, facts) = match asset {
             // It has a page of its own.
-            Asset::Pack(_) => (View::Relief(String::new()), String::new(), [0, 0], Vec::new()),
+            Asset::Pack(_) => (View::Relief(String::new()), String::new(), [0, 0], String::new(), Vec::new()),
             Asset::TriangleMesh(mesh) => {
-                let (drawn, picture) = DrawnTriangles::new(mesh, up);
+                let (drawn, picture) = DrawnTriangles::new(mesh, frame.up);
                 let facts = mesh_facts(mesh, bytes, t_junctions);
-                (View::Wireframe(drawn), picture, [mesh.triangle_count(), mesh.vertex_count()], facts)
+                let counts = [mesh.triangle_count(), mesh.vertex_count()];
+                let [x, y, z] = drawn.mesh.size.map(|side| short(side.into()));
+                let triangles = count(counts[0] as u64);
+                let headline = format!(
+                    "A level of {triangles} triangles, kept as they are. It measures {x} × {y} × {z} {}.",
+                    frame.unit
+                );
+                (View::Wireframe(drawn), picture, counts, headline, facts)
             }
             Asset::HeightField(field) => {
                 let Layout { columns, rows, .. } = *field.layout();
                 let counts = [field.triangle_count() - 2 * field.hole_count(), columns * rows];
-                (View::Relief(relief(field, RELIEF)), relief(field, THUMBNAIL), counts, field_facts(field, bytes))
+                let [x, y, z] = (field.bounds()[1] - field.bounds()[0]).to_array().map(short);
+                let headline = format!(
+                    "A terrain of {columns} × {rows} heights, kept as they are. It measures {x} × {y} × {z} units."
+                );
+                let view = View::Relief(relief(field, RELIEF));
+                (view, relief(field, THUMBNAIL), counts, headline, field_facts(field, bytes))
             }
         };
+        if !remarks.faults.is_empty() {
+            headline = FAILED.to_owned();
+        } else if source.is_none() {
+            headline += " Its source was not found, so nothing was compared with it.";
+        }
         Self {
             file: path.display().to_string(),
             remarks,
@@ -129,6 +147,7 @@ impl SurfaceReport {
             options,
             format_version: asset.header().format_version,
             checks,
+            headline,
             facts,
             picture,
             view,
@@ -139,7 +158,7 @@ impl SurfaceReport {
         if !self.remarks.faults.is_empty() {
             Verdict::Failed
         } else if self.source.is_none() {
-            Verdict::ExactForTheStoredTriangles
+            Verdict::SourceNotFound
         } else {
             Verdict::Exact
         }
@@ -166,7 +185,7 @@ impl DrawnTriangles {
                 edges: encoded_edges(drawn),
             })
             .collect();
-        let picture = picture(&[], std::slice::from_ref(&thinned), up);
+        let picture = picture_from_above(&thinned, up);
         (Self { up, mesh: thinned.encoded(&whole), classes }, picture)
     }
 

@@ -2,7 +2,7 @@
 //! or its shaded relief.
 
 use crate::html::{count, escape, facts, json, origin};
-use crate::pack_page::warnings;
+use crate::pack_page::remark_sections;
 use crate::page::{Page, crumb};
 use crate::surface::{DrawnClass, DrawnTriangles, SurfaceReport, View};
 
@@ -22,7 +22,7 @@ const WIREFRAME: Page = Page {
 const RELIEF: Page = Page {
     kind: "field",
     generator: "bake report",
-    style: ".relief { max-width: 100%; image-rendering: pixelated; border: 1px solid var(--rule); }\n",
+    style: ".relief { width: min(100%, 48rem); max-height: 40rem; object-fit: contain; object-position: left; image-rendering: pixelated; border: 1px solid var(--rule); }\n",
     contents: include_str!("page/field.html"),
     scripts: &[],
 };
@@ -31,16 +31,19 @@ const RELIEF: Page = Page {
 /// arguments. `index` is the link to the page of its folder.
 pub fn surface_page(surface: &SurfaceReport, index: Option<&str>) -> String {
     let source = surface.source.as_deref();
-    let subtitle = origin(source, &surface.recorded_source, &surface.options, surface.format_version);
+    let [warnings, notes] = remark_sections(&surface.remarks);
+    let origin = origin(source, &surface.recorded_source, &surface.options, surface.format_version);
     let shared = [
         ("title", &*escape(&surface.file)),
         ("crumb", &crumb(index)),
         ("verdict", &surface.verdict().html()),
-        ("subtitle", &subtitle),
-        ("warnings", &warnings(&surface.remarks)),
+        ("headline", &escape(&surface.headline)),
+        ("warnings", &warnings),
+        ("notes", &notes),
+        ("origin", &origin),
         ("facts", &facts(&surface.facts)),
         ("verification", &verification(surface)),
-        ("footer", "Made by <code>bake report</code>. Lengths are in the source's units."),
+        ("footer", "Made by <code>bake report</code>."),
     ];
     match &surface.view {
         View::Relief(relief) => RELIEF.fill(&[&shared[..], &[("picture", relief)]].concat()),
@@ -69,15 +72,17 @@ fn meaning(class: &str) -> &'static str {
 }
 
 fn classes(drawn: &DrawnTriangles) -> String {
+    // Only the edges at which something may be wrong are drawn at first.
     let row = |(at, class): (usize, &DrawnClass)| {
         let (name, edges) = (class.name, count(class.count as u64));
+        let checked = if ["flat", "convex", "concave"].contains(&name) { "" } else { " checked" };
         format!(
-            "<label title=\"{}\"><input type=\"checkbox\" data-class=\"{at}\" checked> \
-             <span class=\"swatch\" style=\"background:var(--edge-{name})\"></span>{name} ({edges})</label>\n",
+            "<label><input type=\"checkbox\" data-class=\"{at}\"{checked}> \
+             <span class=\"swatch\" style=\"background:var(--edge-{name})\"></span><span>{name} ({edges}): {}</span></label>\n",
             meaning(name)
         )
     };
-    drawn.classes().iter().enumerate().map(row).collect()
+    drawn.classes().iter().enumerate().filter(|(_, class)| class.count > 0).map(row).collect()
 }
 
 fn verification(surface: &SurfaceReport) -> String {

@@ -14,40 +14,45 @@
   const whole = data.meshes.map(meshOf);
   const hasSource = whole.length > 0 || hulls.some((hull) => hull.source);
   const meshesOf = (list) => (whole.length ? whole : list.map((hull) => hull.source).filter(Boolean));
-  const camera = new Camera();
+  const camera = new Camera(data.up);
   let chosen = isMany ? ALL : 0;
   let marked = null;
   // Parts of the table of parts: the one under the pointer, and the one whose button is pressed.
   let pointed = null, pressed = null, highlighted = null;
 
   // Controls.
-  get("up").value = data.up;
   const choice = get("hull-choice");
+  const hasParts = isMany && hulls.some((hull) => hull.part_count > 1);
+  const several = hasParts ? "parts" : "hulls";
   if (isMany) {
-    choice.append(new Option(`all ${grouped(data.hull_count)} hulls`, ALL));
+    choice.append(new Option(`all ${grouped(data.hull_count)} ${several}`, ALL));
     hulls.forEach((hull, number) => choice.append(new Option(`#${number} ${hull.name}`, number)));
   }
   get("hull-choice-row").hidden = !isMany;
   get("source-figure").hidden = !hasSource;
   get("pair").classList.toggle("alone", !hasSource);
-  const hasParts = isMany && hulls.some((hull) => hull.part_count > 1);
   const hasFit = hulls.some((hull) => hull.protrusion_at);
   for (const label of document.querySelectorAll(".with-parts")) label.hidden = !hasParts;
   for (const label of document.querySelectorAll(".with-fit")) label.hidden = !hasFit;
   for (const label of document.querySelectorAll(".with-source")) label.hidden = !hasSource;
 
-  // Pictures in 3D.
-  const views = { source: hasSource ? openView(get("source")) : null, hull: openView(get("hull")) };
-  const has3d = Boolean(views.hull && (views.source || !hasSource));
-  root.classList.toggle("no-webgl", !has3d);
-  root.dataset.webgl = has3d;
-
   const current = () => (chosen === ALL ? hulls.filter((hull) => hull.hull) : [hulls[chosen]].filter((hull) => hull.hull));
+
+  function boxOf(shapes) {
+    const low = [0, 1, 2].map((axis) => Math.min(...shapes.map((shape) => shape.low[axis])));
+    const high = [0, 1, 2].map((axis) => Math.max(...shapes.map((shape) => shape.low[axis] + shape.size[axis])));
+    return { low, high };
+  }
+
+  /** Width, depth and height, along the axes. */
+  function sizeOf(shapes) {
+    const { low, high } = boxOf(shapes);
+    return low.map((c, axis) => short(high[axis] - c)).join(" × ");
+  }
 
   function frame(list) {
     const shapes = [...list.map((hull) => hull.hull), ...meshesOf(list)];
-    const low = [0, 1, 2].map((axis) => Math.min(...shapes.map((shape) => shape.low[axis])));
-    const high = [0, 1, 2].map((axis) => Math.max(...shapes.map((shape) => shape.low[axis] + shape.size[axis])));
+    const { low, high } = boxOf(shapes);
     const centre = low.map((c, axis) => (c + high[axis]) / 2);
     let reach = 0;
     for (const { points } of shapes) {
@@ -72,15 +77,15 @@
     return measured.reduce((worst, hull) => (worst && worst.protrusion >= hull.protrusion ? worst : hull), null);
   }
 
-  function draw3d() {
-    if (!has3d) return;
+  const switches = ["show-edges", "show-vertices", "show-mesh-edges", "show-around", "show-protrusion", "spread"];
+  const canvases = hasSource ? ["source", "hull"] : ["hull"];
+  const { views, redraw, drawNow, measure } = openStage(canvases, camera, switches, () => {
     const list = current();
     if (!list.length) return;
-    camera.up = get("up").value;
     camera.look({ ...whole3d, radius: whole3d.radius * (1 + spread()) });
     const look = Object.fromEntries(["hull", "mesh", "edge", "mesh-edge", "mark", "well"].map((name) => [name, cssColour(`--${name}`)]));
     const isOn = (id) => get(id).checked;
-    views.hull.begin();
+    views.hull.clear();
     for (const hull of list) {
       const shape = hull.hull;
       const moved = movedBy(camera, offsetOf(hull));
@@ -99,11 +104,11 @@
     if (marked && chosen !== ALL) {
       const hull = list[0];
       const vertex = hull.hull.vertex(marked.vertex);
-      const tip = camera.centre.map((c, axis) => c + marked.dir[axis] * camera.radius * 1.25);
-      if (vertex) views.hull.mark(camera, camera.centre, tip, vertex, look.mark);
+      const tip = camera.middle.map((c, axis) => c + marked.dir[axis] * camera.radius * 1.25);
+      if (vertex) views.hull.mark(camera, camera.middle, tip, vertex, look.mark);
     }
     if (!views.source) return;
-    views.source.begin();
+    views.source.clear();
     for (const source of meshesOf(list)) {
       if (source.triangles.length) views.source.triangles(source, camera, look.mesh);
       else views.source.dots(source, camera, { colour: look["mesh-edge"], size: source.points.length > 30 ? 3.5 : 10 });
@@ -115,17 +120,7 @@
       if (isOn("show-around")) views.source.edges(hull, camera, { colour: look.edge, opacity, forward: 0 });
     }
     if (worst) views.source.spot(camera, worst.protrusion_at, look.mark);
-  }
-
-  let waits = false;
-  function redraw() {
-    if (waits) return;
-    waits = true;
-    requestAnimationFrame(() => {
-      waits = false;
-      draw3d();
-    });
-  }
+  });
 
   // Gauss map.
   const gauss = new GaussView(get("gauss"), data.faces, (found) => {
@@ -174,25 +169,24 @@
   function captions() {
     const list = current();
     const sum = (pick) => list.reduce((total, hull) => total + pick(hull), 0);
-    const what = chosen === ALL ? `all ${grouped(list.length)} hulls shown` : hulls[chosen].name;
-    const part = (shown, whole) => (shown < whole ? ` (${grouped(shown)} of ${grouped(whole)} drawn)` : "");
+    const part = (shown, whole) => (shown < whole ? ` (${grouped(shown)} of ${grouped(whole)} triangles drawn)` : "");
     if (hasSource) {
-      const count = (pick) => meshesOf(list).reduce((total, mesh) => total + pick(mesh), 0);
+      const meshes = meshesOf(list);
+      const count = (pick) => meshes.reduce((total, mesh) => total + pick(mesh), 0);
       const [shown, all] = [count((mesh) => mesh.shown), count((mesh) => mesh.whole)];
-      const points = count((mesh) => mesh.corners);
-      get("source-caption").textContent = all
-        ? `Source mesh: ${grouped(points)} points, ${grouped(all)} triangles${part(shown, all)}`
-        : `Source: ${grouped(points)} points without faces`;
+      const points = `The mesh: ${grouped(count((mesh) => mesh.corners))} points`;
+      const size = meshes.length ? `, ${sizeOf(meshes)} ${data.unit}` : "";
+      get("source-caption").textContent = all ? `${points}, ${grouped(all)} triangles${size}${part(shown, all)}` : `${points} without faces${size}`;
     }
-    const shown = sum((hull) => hull.hull.shown), whole = sum((hull) => hull.hull.whole);
+    const shown = sum((hull) => hull.hull.shown), all = sum((hull) => hull.hull.whole);
+    const one = list.length === 1 ? list[0] : null;
+    const what = !isMany ? "The convex hull" : one ? `#${one.number} ${one.name}` : `${grouped(list.length)} convex ${several}, each in its colour`;
     get("hull-caption").textContent = list.length
-      ? `Hull: ${what}, ${grouped(sum((hull) => hull.vertices))} vertices, ${grouped(sum((hull) => hull.faces))} faces${shown < whole ? `, as triangles${part(shown, whole)}` : ""}`
+      ? `${what}: ${grouped(sum((hull) => hull.vertices))} vertices, ${grouped(sum((hull) => hull.faces))} faces${part(shown, all)}`
       : "This hull is not drawn, to limit the size of the page.";
-    const worst = worstOf(list);
-    if (worst) {
-      const name = chosen === ALL ? ` of ${worst.name}` : "";
-      const at = worst.protrusion_at.map((c) => fixed(c, worst.hull.digits)).join(", ");
-      get("hull-caption").textContent += `. Protrusion${name}: at most ${short(worst.protrusion)}, greatest at the dot, (${at})`;
+    if (one && one.protrusion_at) {
+      const at = one.protrusion_at.map((c) => fixed(c, one.hull.digits)).join(", ");
+      get("hull-caption").textContent += `. It leaves the mesh by at most ${short(one.protrusion)} ${data.unit}, at the dot (${at})`;
     }
     const hull = mapped();
     const map = hull.gauss;
@@ -207,8 +201,8 @@
   }
 
   function check() {
-    for (const [id, view] of Object.entries(views)) if (view) get(id).dataset.drawn = view.share().toFixed(4);
-    if (gauss.map) {
+    measure();
+    if (gauss.map && get("more").open) {
       const { drawn, colours } = gauss.share();
       get("gauss").dataset.drawn = drawn.toFixed(4);
       get("gauss").dataset.colours = colours;
@@ -227,7 +221,7 @@
     captions();
     legend();
     tell(null);
-    draw3d();
+    drawNow();
     gauss.draw();
     check();
   }
@@ -238,6 +232,14 @@
     if (highlighted !== null && chosen !== ALL) choose((choice.value = ALL));
     redraw();
   }
+  /** Highlights the part `number`, or none, until the button is pressed again. */
+  function press(button, number) {
+    pressed = button?.getAttribute("aria-pressed") === "true" ? null : number;
+    for (const other of document.querySelectorAll("button[aria-pressed]")) {
+      other.setAttribute("aria-pressed", pressed !== null && other === button);
+    }
+    highlight();
+  }
   for (const row of document.querySelectorAll("tr[data-part]")) {
     const number = Number(row.dataset.part), button = row.querySelector("button");
     const point = (now) => () => {
@@ -246,24 +248,21 @@
     };
     row.addEventListener("pointerenter", point(number));
     row.addEventListener("pointerleave", point(null));
-    button.addEventListener("click", () => {
-      pressed = pressed === number ? null : number;
-      for (const other of document.querySelectorAll("tr[data-part] button")) {
-        other.setAttribute("aria-pressed", pressed !== null && other === button);
-      }
-      highlight();
-    });
+    button.addEventListener("click", () => press(button, number));
   }
-
-  choice.addEventListener("change", () => choose(choice.value));
-  for (const id of ["show-edges", "show-vertices", "show-mesh-edges", "show-around", "show-protrusion", "up"]) {
-    get(id).addEventListener("change", redraw);
-  }
-  get("spread").addEventListener("input", redraw);
-  get("reset").addEventListener("click", () => {
-    camera.reset();
-    redraw();
+  // Not on the page if no part leaves the mesh.
+  get("show-worst")?.addEventListener("click", ({ target }) => {
+    const worst = worstOf(hulls.filter((hull) => hull.hull));
+    if (!worst) return;
+    get("spread").value = 0;
+    press(target, worst.number);
+    if (pressed === null) camera.reset();
+    else camera.approach(worst.protrusion_at);
+    get("view").scrollIntoView({ block: "nearest" });
   });
+
+  get("reset").addEventListener("click", () => press(null, null));
+  choice.addEventListener("change", () => choose(choice.value));
   get("colour-by").addEventListener("change", (event) => {
     gauss.colourBy = event.target.value;
     if (gauss.map) gauss.paint();
@@ -280,16 +279,12 @@
     gauss.reset();
     gauss.grow(1);
   });
-  if (has3d) {
-    for (const view of Object.values(views)) if (view) steer(view.canvas, camera, redraw);
-  }
-  const again = () => {
-    draw3d();
+  // The map has no size until its fold is opened.
+  new ResizeObserver(() => {
     gauss.draw();
-  };
-  new ResizeObserver(again).observe(get("gauss"));
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
-  addEventListener("beforeprint", again);
+    check();
+  }).observe(get("gauss"));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => gauss.draw());
 
   choose(isMany ? ALL : 0);
   root.dataset.ready = "true";

@@ -1,18 +1,12 @@
 // The page of a robot: its links in the pose that the sliders say.
 {
   const data = JSON.parse(document.getElementById("data").textContent);
-  const root = document.documentElement;
   const get = (id) => document.getElementById(id);
   const meshes = data.meshes.map((mesh) => mesh && meshOf(mesh));
-  const camera = new Camera();
+  const camera = new Camera(data.up);
   const positions = data.joints.map((joint) => joint.neutral);
   // Links whose rows are under the pointer, or pressed.
   let pointed = null, pressed = null;
-
-  const views = { source: openView(get("source")), hull: openView(get("hull")) };
-  const has3d = Boolean(views.source && views.hull);
-  root.classList.toggle("no-webgl", !has3d);
-  root.dataset.webgl = has3d;
 
   const displacements = () => followed(data.joints, data.joints.map((joint, index) => positions[index] - joint.reference));
   const frames = () => posesOf(data.links, data.joints, displacements());
@@ -59,16 +53,15 @@
     return { toView, toClip: (aspect) => camera.toClip(aspect) };
   }
 
-  function draw3d() {
-    if (!has3d) return;
-    camera.up = get("up").value;
+  const layers = ["show-visual", "show-around", "show-after", "show-before", "show-edges"];
+  const { views, redraw, drawNow, measure } = openStage(["source", "hull"], camera, layers, () => {
     const isOn = (id) => get(id).checked;
     const look = Object.fromEntries(["mesh", "edge", "mesh-edge", "well"].map((name) => [name, cssColour(`--${name}`)]));
     const chosen = pointed ?? pressed;
     const isFaded = (shape) => chosen !== null && !chosen.includes(shape.link);
     const all = shapes();
     const opacity = (mesh) => Math.min(0.8, Math.max(0.1, Math.sqrt(250 / (mesh.edges.length + 1))));
-    for (const view of Object.values(views)) view.begin();
+    for (const view of Object.values(views)) view.clear();
     for (const shape of all) {
       const { mesh, layer } = shape;
       const seen = seenBy(shape.columns);
@@ -87,17 +80,7 @@
         if (isOn("show-edges")) views.hull.edges(mesh, seen, { colour: edge, opacity: opacity(mesh) * fade });
       }
     }
-  }
-
-  let waits = false;
-  function redraw() {
-    if (waits) return;
-    waits = true;
-    requestAnimationFrame(() => {
-      waits = false;
-      draw3d();
-    });
-  }
+  });
 
   // A slider for each joint that moves alone; the others show what they follow.
   const degrees = (angle) => `${((angle * 180) / Math.PI).toFixed(1)}°`.replace("-", "−");
@@ -161,22 +144,8 @@
     });
   }
 
-  for (const id of ["show-visual", "show-around", "show-after", "show-before", "show-edges", "up"]) {
-    get(id).addEventListener("change", redraw);
-  }
-  get("reset").addEventListener("click", () => {
-    camera.reset();
-    redraw();
-  });
-  if (has3d) {
-    for (const view of Object.values(views)) steer(view.canvas, camera, redraw);
-    new ResizeObserver(redraw).observe(get("hull"));
-  }
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
-  addEventListener("beforeprint", draw3d);
-
   show();
-  draw3d();
-  if (has3d) for (const [id, view] of Object.entries(views)) get(id).dataset.drawn = view.share().toFixed(4);
-  root.dataset.ready = "true";
+  drawNow();
+  measure();
+  document.documentElement.dataset.ready = "true";
 }

@@ -43,10 +43,6 @@ class View extends Surface {
     this.uploads = new Map();
   }
 
-  begin() {
-    this.clear();
-  }
-
   triangles(shape, camera, colour) {
     const { gl, triangleProgram } = this, upload = this.uploaded(shape);
     this.use(triangleProgram, camera);
@@ -159,15 +155,27 @@ function openView(canvas) {
 
 /** Where the viewer stands. Angles in radians; `zoom` 1 shows the whole. */
 class Camera {
-  constructor() {
-    this.centre = [0, 0, 0];
+  /** `pitch` is the angle from which it looks down at first. */
+  constructor(up, pitch = 0.42) {
+    this.middle = [0, 0, 0];
     this.radius = 1;
-    this.up = "z";
+    this.up = up;
+    this.first = pitch;
     this.reset();
   }
 
   reset() {
-    [this.yaw, this.pitch, this.zoom] = [-0.62, 0.42, 1];
+    [this.yaw, this.pitch, this.zoom, this.goal] = [-0.62, this.first, 1, null];
+  }
+
+  /** Looks from the side of a point, and at it. */
+  approach(at) {
+    this.goal = at;
+    const away = at.map((c, axis) => c - this.middle[axis]);
+    const [x, y, z] = this.up === "z" ? away : [away[0], -away[2], away[1]];
+    const length = Math.hypot(x, y, z) || 1;
+    [this.yaw, this.pitch] = [Math.atan2(x, -y), Math.asin(z / length)];
+    this.zoom = 3;
   }
 
   turn(right, down) {
@@ -179,8 +187,12 @@ class Camera {
     this.zoom = Math.min(Math.max(this.zoom * factor, 0.3), 40);
   }
 
+  get centre() {
+    return this.goal || this.middle;
+  }
+
   look({ centre, radius }) {
-    this.centre = centre;
+    this.middle = centre;
     this.radius = radius > 0 ? radius : 1;
   }
 
@@ -279,4 +291,58 @@ function steer(canvas, camera, redraw) {
       redraw();
     }
   });
+}
+
+/**
+ * Opens views on canvases, which show what `draw` draws: again when the camera moves, or when a
+ * control of these ids changes. Views of canvases without WebGL are null.
+ */
+function openStage(canvases, camera, ids, draw) {
+  const get = (id) => document.getElementById(id), root = document.documentElement;
+  const views = Object.fromEntries(canvases.map((id) => [id, openView(get(id))]));
+  const has3d = Object.values(views).every(Boolean);
+  root.classList.toggle("no-webgl", !has3d);
+  root.dataset.webgl = has3d;
+  const drawNow = () => has3d && draw();
+  let waits = false;
+  function redraw() {
+    if (waits) return;
+    waits = true;
+    requestAnimationFrame(() => {
+      waits = false;
+      drawNow();
+    });
+  }
+  const turn = get("turn");
+  const label = () => {
+    turn.textContent = `Turn (${camera.up} is up)`;
+    root.dataset.up = camera.up;
+  };
+  label();
+  turn.addEventListener("click", () => {
+    camera.up = camera.up === "z" ? "y" : "z";
+    label();
+    redraw();
+  });
+  get("reset").addEventListener("click", () => {
+    camera.reset();
+    redraw();
+  });
+  for (const id of ids) get(id).addEventListener("input", redraw);
+  if (has3d) {
+    for (const { canvas } of Object.values(views)) {
+      steer(canvas, camera, redraw);
+      new ResizeObserver(redraw).observe(canvas);
+    }
+  }
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
+  addEventListener("beforeprint", () => {
+    for (const fold of document.querySelectorAll("details")) fold.open = true;
+    drawNow();
+  });
+  /** Stores the drawn share of each canvas where a test can read it. */
+  const measure = () => {
+    for (const [id, view] of Object.entries(views)) if (view) get(id).dataset.drawn = view.share().toFixed(4);
+  };
+  return { views, has3d, redraw, drawNow, measure };
 }

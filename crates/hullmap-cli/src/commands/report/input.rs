@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::time::Instant;
 
 use hullmap::Asset;
 use hullmap_bake::advice;
@@ -10,8 +9,8 @@ use hullmap_report::input::{self as report, Verification, VerifiedHull};
 use hullmap_report::surface::SurfaceReport;
 use hullmap_report::{Analysis, Card, Input, analyse, pack_page, surface_page};
 
-use super::remarks::remarks;
-use super::sought::{Sought, seek_source, source_name};
+use super::remarks::{excess, remarks};
+use super::sought::{Sought, frame_of, seek_source, source_name};
 use super::surface::analyse_surface;
 use crate::args::ReportArgs;
 use crate::source_mesh::display_mesh;
@@ -71,9 +70,7 @@ pub fn analyse_file(
     args: &ReportArgs,
     folders: &Folders,
 ) -> Result<Analysed, Failure> {
-    let start = Instant::now();
     let asset = open_asset(&place.path)?;
-    let open_time = start.elapsed();
     let mut faults = Vec::new();
     let Sought { source, absent } = seek_source(place, &asset, given, args, folders, &mut faults)?;
     let pack = match &asset {
@@ -83,9 +80,7 @@ pub fn analyse_file(
             return Ok(Analysed::Surface(Box::new(report)));
         }
     };
-    let start = Instant::now();
     let results = verified(&asset, source.as_ref(), args, &mut faults);
-    let verify_time = start.elapsed();
     let mut remarks = remarks(pack, kept_warnings(&asset), source.as_ref(), &estimates_in_words(&results));
     for text in results.iter().flat_map(|result| &result.warnings) {
         if remarks.warnings.len() < MAX_WARNINGS && !remarks.warnings.contains(text) {
@@ -102,9 +97,10 @@ pub fn analyse_file(
         is_against_source: source.is_some(),
         directions: args.directions,
         hulls: results.into_iter().map(verified_hull).collect(),
-        time: verify_time,
     };
     remarks.faults = faults;
+    let mesh_path = source.as_ref().map_or(Path::new(pack.source_path()), |source| &source.path);
+    let frame = frame_of(mesh_path, pack.options(), args.up);
     let source = source.map(|source| report::Source {
         name: source_name(&source, pack.source_path()),
         point_count: source.content.point_sets().iter().map(|set| set.positions.len()).sum(),
@@ -118,7 +114,7 @@ pub fn analyse_file(
             Content::Terrain(_) => Vec::new(),
         },
     });
-    let input = Input { path: &place.path, pack, open_time, source, verification, remarks, polygons, up: args.up };
+    let input = Input { path: &place.path, pack, source, verification, remarks, polygons, excess, frame };
     let mut analysis = analyse(input).map_err(|error| Failure::usage(error.to_string()))?;
     analysis.options = BuildOptions::recorded_in_words(pack.options());
     Ok(Analysed::Pack(Box::new(analysis)))

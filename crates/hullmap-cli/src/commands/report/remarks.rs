@@ -78,7 +78,17 @@ fn about_hull(hull: &Hull, is_cut: bool) -> Vec<Remark> {
         outer_error: hull.outer_error(),
         is_cut,
     };
-    advice::of_hull(&measures).into_iter().chain(advice::simplified(&measures)).collect()
+    let about_shape = excess(hull).map(|excess| advice::concave(hull.name(), excess));
+    advice::of_hull(&measures).into_iter().chain(advice::simplified(&measures)).chain(about_shape).collect()
+}
+
+/// Excess of the volume of a hull that stands for a whole mesh, if it fills hollows of the mesh;
+/// `None` for a part, which was measured against its mesh.
+pub fn excess(hull: &Hull) -> Option<f64> {
+    let mesh = hull
+        .mesh_mass_properties(1.0)
+        .filter(|_| hull.part_count() <= 1 && hull.solid().is_none() && hull.rank() == 3)?;
+    advice::excess(hull.volume(), mesh.mass)
 }
 
 #[cfg(test)]

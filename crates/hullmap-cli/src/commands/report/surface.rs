@@ -1,11 +1,13 @@
 //! Gathers what the report shows about a triangle mesh or height field: its verification and
 //! remarks.
 
+use std::path::Path;
+
 use hullmap::Asset;
 use hullmap_report::input::Remarks;
 use hullmap_report::surface::{Checks, SurfaceInput, SurfaceReport};
 
-use super::sought::source_name;
+use super::sought::{frame_of, source_name};
 use crate::args::ReportArgs;
 use hullmap_pipeline::content::{Verified, verify};
 use hullmap_pipeline::open::kept_warnings;
@@ -53,7 +55,9 @@ pub fn analyse_surface(
         remarks.notes.extend((flaws != "none").then(|| format!("kept as they are: {flaws}")));
     }
     remarks.notes.extend(content.into_iter().flat_map(|content| content.remarks()[0].iter().cloned()));
+    let mesh_path = source.as_ref().map_or(Path::new(asset.source_path()), |source| &source.path);
     SurfaceReport::new(SurfaceInput {
+        frame: frame_of(mesh_path, asset.options(), args.up),
         path: &place.path,
         asset,
         source: source.map(|source| source_name(&source, asset.source_path())),
@@ -61,6 +65,5 @@ pub fn analyse_surface(
         remarks,
         checks,
         t_junctions,
-        up: args.up,
     })
 }
