@@ -18,7 +18,7 @@ use super::{
 };
 use crate::{
     deadline::{Deadline, Reserve},
-    fit::uncovered_triangles,
+    fit::{mesh_mass, uncovered_triangles, voids},
     hull::Hull,
     mass,
     progress::Stage,
@@ -49,6 +49,9 @@ const FURTHER: [f64; 3] = [0.5, 0.7, 0.85];
 
 /// Maximum number of parts made by halving, the result if the deadline has already passed.
 const HALVED: usize = 8;
+
+/// Share of the solid that may be in no part of a mesh with two mirrors.
+const VOIDS: f64 = 1e-3;
 
 /// Time that a search leaves for final hulls.
 const FINISHING: Reserve = Reserve { share: 0.2, seconds: 4.0 };
@@ -95,25 +98,30 @@ impl<'a> Search<'a> {
         let error = self.parameters.max_error.resolve(self.diagonal());
         let mirrors = symmetry::mirrors_of_mesh(self.mesh, self.field.solid());
         let surface = || Surface::new(self.mesh, self.field.solid());
-        let half = (!mirrors.is_empty()).then(|| surface().halved(&mirrors, self.diagonal()));
-        let whole = surface();
+        let with =
+            |count: usize| (mirrors.len() >= count).then(|| surface().halved(&mirrors[..count], self.diagonal()));
+        let (quarter, half, whole) = (with(2), with(1), surface());
         let Some(count) = self.parameters.max_parts.map(|count| count as usize) else {
-            let symmetric = half.and_then(|half| {
-                let found = self.within(&half, error, usize::MAX, false)?;
-                let hulls = self.finished(&half, found);
-                self.covers(&hulls).then_some(hulls)
-            });
-            return symmetric.or_else(|| {
-                let found = self.within(&whole, error, usize::MAX, false)?;
-                Some(self.finished(&whole, found))
-            });
+            for surface in quarter.iter().chain(&half) {
+                let found = self.within(surface, error, usize::MAX, false);
+                let hulls = found.map(|found| self.finished(surface, found));
+                if let Some(hulls) = hulls.filter(|hulls| self.covers(hulls))
+                    && (surface.second.is_none() || self.fills(&hulls))
+                {
+                    return Some(hulls);
+                }
+            }
+            let found = self.within(&whole, error, usize::MAX, false)?;
+            return Some(self.finished(&whole, found));
         };
-        let with_one = half.is_some().then(|| surface().halved(&mirrors[..1], self.diagonal()));
-        let symmetric = half.zip(with_one).and_then(|(half, with_one)| {
-            let found = self.at_most([&half, &with_one], count, error)?;
-            let reached = found.reached();
-            let hulls = self.finished(&half, found);
-            self.covers(&hulls).then_some((hulls, reached))
+        let symmetric = half.as_ref().and_then(|half| {
+            quarter.iter().chain([half]).find_map(|plain| {
+                let found = self.at_most([plain, half], count, error)?;
+                let reached = found.reached();
+                let hulls = self.finished(half, found);
+                let is_fine = self.covers(&hulls) && (plain.second.is_none() || self.fills(&hulls));
+                is_fine.then_some((hulls, reached))
+            })
         });
         if self.deadline.is_some()
             && let Some((hulls, _)) = symmetric
@@ -256,5 +264,13 @@ impl<'a> Search<'a> {
     fn covers(&self, hulls: &[Hull]) -> bool {
         let hulls: Vec<&Hull> = hulls.iter().collect();
         uncovered_triangles(self.mesh, &hulls, COVERED * self.diagonal(), self.deadline).is_empty()
+    }
+
+    /// Whether next to nothing of the solid is in no part. In a quarter, atoms see few others through
+    /// the solid, and a part may lack the inside behind its surface.
+    fn fills(&self, hulls: &[Hull]) -> bool {
+        let solid = self.field.solid();
+        let voids = voids(solid, &hulls.iter().collect::<Vec<_>>(), self.deadline);
+        mesh_mass(self.mesh).is_none_or(|mass| voids.relative_to(mass.volume).share <= VOIDS)
     }
 }

@@ -93,19 +93,19 @@ pub trait Shape: SupportMap {
 macro_rules! forward_shape {
     ($this:ident => $inner:expr) => {
         fn feature(&$this, dir: DVec3, out: &mut Feature) {
-        $inner.feature(dir, out);
+            $inner.feature(dir, out);
         }
         fn feature_within(&$this, dir: DVec3, reach: f64, out: &mut Feature) {
-        $inner.feature_within(dir, reach, out);
+            $inner.feature_within(dir, reach, out);
         }
         fn reduced_feature_within(&$this, dir: DVec3, reach: f64, out: &mut Feature) {
-        $inner.reduced_feature_within(dir, reach, out);
+            $inner.reduced_feature_within(dir, reach, out);
         }
         fn entry(&$this, ray: &Ray, near: u32) -> Option<f64> {
-        $inner.entry(ray, near)
+            $inner.entry(ray, near)
         }
         fn triangle(&$this) -> Option<[DVec3; 3]> {
-        $inner.triangle()
+            $inner.triangle()
         }
     };
 }

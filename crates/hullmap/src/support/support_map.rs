@@ -351,97 +351,97 @@ macro_rules! forward_support_map {
     ($this:ident => $inner:expr) => {
         #[inline(always)]
         fn support_point(&$this, dir: DVec3) -> SupportPoint {
-        $inner.support_point(dir)
+            $inner.support_point(dir)
         }
         #[inline(always)]
         fn interior_point(&$this) -> DVec3 {
-        $inner.interior_point()
+            $inner.interior_point()
         }
         #[inline(always)]
         fn inner_radius(&$this) -> f64 {
-        $inner.inner_radius()
+            $inner.inner_radius()
         }
         #[inline(always)]
         fn outer_radius(&$this) -> f64 {
-        $inner.outer_radius()
+            $inner.outer_radius()
         }
         #[inline(always)]
         fn support_error(&$this) -> f64 {
-        $inner.support_error()
+            $inner.support_error()
         }
         #[inline(always)]
         fn point(&$this, feature: u32) -> Option<DVec3> {
-        $inner.point(feature)
+            $inner.point(feature)
         }
         fn polytope_vertex(&$this, index: u32) -> Option<DVec3> {
-        $inner.polytope_vertex(index)
+            $inner.polytope_vertex(index)
         }
         #[inline(always)]
         fn support_point_from(&$this, dir: DVec3, hint: u32) -> SupportPoint {
-        $inner.support_point_from(dir, hint)
+            $inner.support_point_from(dir, hint)
         }
         #[inline(always)]
         fn fetch_ahead(&$this) {
-        $inner.fetch_ahead();
+            $inner.fetch_ahead();
         }
         #[inline(always)]
         fn fetch_part(&$this, part: usize) -> bool {
-        $inner.fetch_part(part)
+            $inner.fetch_part(part)
         }
         #[inline(always)]
         fn start_lookup(&$this, dir: DVec3) -> Lookup {
-        $inner.start_lookup(dir)
+            $inner.start_lookup(dir)
         }
         #[inline(always)]
         fn continue_lookup(&$this, dir: DVec3, lookup: Lookup) -> Lookup {
-        $inner.continue_lookup(dir, lookup)
+            $inner.continue_lookup(dir, lookup)
         }
         #[inline(always)]
         fn finish_lookup(&$this, dir: DVec3, lookup: Lookup) -> SupportPoint {
-        $inner.finish_lookup(dir, lookup)
+            $inner.finish_lookup(dir, lookup)
         }
         #[inline(always)]
         fn working_set_len(&$this) -> usize {
-        $inner.working_set_len()
+            $inner.working_set_len()
         }
         #[inline(always)]
         fn convex_radius(&$this) -> f64 {
-        $inner.convex_radius()
+            $inner.convex_radius()
         }
         #[inline(always)]
         fn core_support_point(&$this, dir: DVec3) -> SupportPoint {
-        $inner.core_support_point(dir)
+            $inner.core_support_point(dir)
         }
         #[inline(always)]
         fn core_radii(&$this) -> [f64; 2] {
-        $inner.core_radii()
+            $inner.core_radii()
         }
         #[inline(always)]
         fn core_point(&$this, feature: u32) -> Option<DVec3> {
-        $inner.core_point(feature)
+            $inner.core_point(feature)
         }
         fn core_feature_point(&$this, feature: u32, dir: DVec3) -> Option<FeaturePoint> {
-        $inner.core_feature_point(feature, dir)
+            $inner.core_feature_point(feature, dir)
         }
         fn has_polytope_core(&$this) -> bool {
-        $inner.has_polytope_core()
+            $inner.has_polytope_core()
         }
         #[inline(always)]
         fn facets(&$this) -> Option<Facets<'_>> {
-        $inner.facets()
+            $inner.facets()
         }
         fn stored_bounds(&$this) -> Option<[DVec3; 2]> {
-        $inner.stored_bounds()
+            $inner.stored_bounds()
         }
         #[inline(always)]
         fn level_edges(&$this, feature: u32, dir: DVec3, tangent: f64) -> Option<LevelEdges> {
-        $inner.level_edges(feature, dir, tangent)
+            $inner.level_edges(feature, dir, tangent)
         }
         fn only_level_edge(&$this, feature: u32, dir: DVec3, tangent: f64) -> Option<DVec3> {
-        $inner.only_level_edge(feature, dir, tangent)
+            $inner.only_level_edge(feature, dir, tangent)
         }
         fn bounds_under(&$this, pose: Pose) -> Bounds {
-        $inner.bounds_under(pose)
+            $inner.bounds_under(pose)
         }
     };
 }

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{context::PartitionSearch, links::Links, piece::Piece};
+use super::{context::PartitionSearch, links::Links, piece::Piece, shape::Part};
 use crate::{decompose::patch::bits, symmetry::Mirror};
 use hullmap_geometry::planes::HalfSpace;
 
@@ -23,47 +23,38 @@ const PARALLEL: f64 = 0.02;
 /// Share of a piece's area that a feature has at most.
 const MOST: f64 = 0.4;
 
-/// Share of the forbidden points that the rest has at most. Otherwise features are not what makes a
-/// piece concave.
-const LEFT: f64 = 0.5;
-
 /// Two parallel edges. Of the second, `None` is the image of a piece's edge.
-struct Pair {
+pub struct Pair {
     plane: HalfSpace,
     edges: [Option<[DVec3; 2]>; 2],
 }
 
-/// The features of shells, and the rests of the shells; `None` without features.
+/// The parts of a piece whose rest without its features is a part: the features and the rest. `None`
+/// if they are not fewer than `count`.
 ///
 /// # Complexity
-/// O(m n) for n atoms and m sharp concave edges.
-pub fn cut_off(search: &PartitionSearch, shells: &[(u32, Piece)], mirrors: &[Mirror]) -> Option<Vec<(u32, Piece)>> {
-    let pairs = pairs(&search.planes.edges, mirrors);
-    let of_shell = |(index, piece): &(u32, Piece)| {
-        let pieces = if search.beyond(piece).is_empty() { Vec::new() } else { features(search, piece, &pairs) };
-        pieces.into_iter().map(|piece| (*index, piece)).collect::<Vec<_>>()
-    };
-    let found: Vec<Vec<(u32, Piece)>> = shells.iter().map(of_shell).collect();
-    let or_whole = |(found, shell): (Vec<_>, &(u32, Piece))| if found.is_empty() { vec![shell.clone()] } else { found };
-    let is_any = found.iter().any(|pieces| !pieces.is_empty());
-    is_any.then(|| found.into_iter().zip(shells).flat_map(or_whole).collect())
+/// O(m n) for n atoms and m pairs.
+pub fn parts(search: &PartitionSearch, piece: &Piece, pairs: &[Pair], count: usize) -> Option<Vec<Part>> {
+    let pieces = if count > 3 { features(search, piece, pairs) } else { Vec::new() };
+    let is_fewer = (1..count).contains(&pieces.len());
+    is_fewer.then(|| pieces.par_iter().map(|piece| search.shaped(piece).ok()).collect()).flatten()
 }
 
-/// The features of a piece, the largest first, and the rest; nothing if there is at most one.
+/// The features of a piece, the largest first, and the rest; nothing if there is at most one, or if
+/// the rest is no part: where planes cut it further, they would not know that features bound it.
 fn features(search: &PartitionSearch, piece: &Piece, pairs: &[Pair]) -> Vec<Piece> {
-    let (mut found, mut rest) = (Vec::new(), piece.clone());
+    let (mut found, mut rest) = (Vec::new(), Rest::new(search, piece.clone()));
     loop {
         let before = found.len();
-        let around = Around::new(search, &rest);
-        let area = |pair: &Pair| around.feature(pair).map(|(area, _)| area);
+        let area = |pair: &Pair| rest.feature(pair).map(|(area, _)| area);
         let mut all: Vec<(f64, &Pair)> = pairs.par_iter().filter_map(|pair| Some((area(pair)?, pair))).collect();
         all.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (_, pair) in all {
-            let Some((_, is_own)) = Around::new(search, &rest).feature(pair) else { continue };
-            let Some([feature, below]) = search.scale.cut_off(&rest, &pair.plane, &is_own) else { continue };
+            let Some((_, is_own)) = rest.feature(pair) else { continue };
+            let Some([feature, below]) = search.scale.cut_off(&rest.piece, &pair.plane, &is_own) else { continue };
             if search.beyond(&feature).is_empty() {
                 found.push(feature);
-                rest = below;
+                rest = Rest::new(search, below);
             }
         }
         if search.is_over() {
@@ -73,7 +64,8 @@ fn features(search: &PartitionSearch, piece: &Piece, pairs: &[Pair]) -> Vec<Piec
             break;
         }
     }
-    if found.len() < 2 || rest.forbidden.len() as f64 > LEFT * piece.forbidden.len() as f64 {
+    let rest = rest.piece;
+    if found.len() < 2 || !search.beyond(&rest).is_empty() {
         return Vec::new();
     }
     found.push(rest);
@@ -81,7 +73,7 @@ fn features(search: &PartitionSearch, piece: &Piece, pairs: &[Pair]) -> Vec<Piec
 }
 
 /// Each edge with the nearest parallel ones, and both sides of their planes.
-fn pairs(edges: &[[DVec3; 2]], mirrors: &[Mirror]) -> Vec<Pair> {
+pub fn pairs(edges: &[[DVec3; 2]], mirrors: &[Mirror]) -> Vec<Pair> {
     if edges.len() > MAX_EDGES {
         return Vec::new();
     }
@@ -111,21 +103,21 @@ fn pairs(edges: &[[DVec3; 2]], mirrors: &[Mirror]) -> Vec<Pair> {
     edges.iter().copied().flat_map(of_edge).collect()
 }
 
-/// A piece, and the neighbours of its atoms and corners.
-struct Around<'a> {
+/// What is left of a piece, and the neighbours of its atoms and corners.
+struct Rest<'a> {
     search: &'a PartitionSearch<'a>,
-    piece: &'a Piece,
+    piece: Piece,
     links: Links,
     atoms_at: HashMap<[u64; 3], Vec<u32>>,
 }
 
-impl<'a> Around<'a> {
-    fn new(search: &'a PartitionSearch, piece: &'a Piece) -> Self {
+impl<'a> Rest<'a> {
+    fn new(search: &'a PartitionSearch, piece: Piece) -> Self {
         let mut atoms_at: HashMap<[u64; 3], Vec<u32>> = HashMap::new();
         for (index, atom) in (0..).zip(&piece.atoms) {
             atom.patch.points.iter().for_each(|p| atoms_at.entry(bits(*p)).or_default().push(index));
         }
-        Self { search, piece, links: search.scale.links(&piece.atoms), atoms_at }
+        Self { search, links: search.scale.links(&piece.atoms), piece, atoms_at }
     }
 
     /// The area of the feature above a plane at its edges, and which atoms belong to it; `None` if

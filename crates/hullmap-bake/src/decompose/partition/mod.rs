@@ -12,9 +12,9 @@
 //!    the sides. Atoms that see each other through the solid are connected, and the points inside
 //!    at which planes meet belong to a piece, so that parts contain the solid, too.
 //! 4. Where that gives a few parts, also peel the piece, and take the fewer parts.
-//! 5. Merge parts as long as the merged hull is proven, and barely overlaps other parts.
-//! 6. Where features stand out of shells, such as teeth, repeat steps 3 to 5 with the features cut
-//!    off, and take the fewer parts.
+//! 5. Cut off what stands out of a shell, such as teeth. If that leaves a part, and fewer parts in
+//!    all, take these.
+//! 6. Merge parts as long as the merged hull is proven, and barely overlaps other parts.
 //!
 //! About a mirror, one half is searched; about two mirrors, a quarter. Parts are then merged across
 //! the mirrors, into parts that both mirror.
@@ -139,29 +139,22 @@ pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) ->
         at_mirror.map(|(index, _)| *index).collect::<Vec<u32>>()
     };
     let meeting: Vec<Vec<u32>> = mirrors.iter().map(meets).collect();
-    let mut parts_of = |shells: Vec<(u32, Piece)>, stage: Stage| {
-        let (indices, shells): (Vec<u32>, Vec<Piece>) = shells.into_iter().unzip();
-        let found = each_divided(&search, shells, most, 0, &mut forbidden, stage.from_to(0.0, DIVIDED))?;
-        let of_shell = |(index, parts): (u32, Vec<Part>)| {
-            let component = Component { index, image: 0 };
-            parts.into_iter().map(move |part| Part { component, ..part })
-        };
-        let parts: Vec<Part> = indices.into_iter().zip(found).flat_map(of_shell).collect();
-        let wanted = |halvings: usize| wanted.div_ceil(1 << halvings);
-        let mut parts = join::merge(&search, parts, &mut forbidden, wanted(mirrors.len()));
-        let Some((last, first)) = mirrors.split_last() else {
-            return Some(Halves { whole: parts, mirrored: Vec::new() });
-        };
-        for (mirror, meeting) in first.iter().zip(&meeting) {
-            let halves = halves::merge(&search, parts, mirror, meeting, &mut forbidden, wanted(1));
-            parts = halves.with_images(&search, mirror, meeting)?;
-        }
-        Some(halves::merge(&search, parts, last, meeting.last()?, &mut forbidden, wanted(0)))
+    let (indices, shells): (Vec<u32>, Vec<Piece>) = shells.into_iter().unzip();
+    let found = each_divided(&search, shells.clone(), most, 0, &mut forbidden, stage.from_to(0.0, DIVIDED))?;
+    let pairs = features::pairs(&search.planes.edges, &mirrors);
+    let of_shell = |((index, shell), parts): ((u32, Piece), Vec<Part>)| {
+        let parts = features::parts(&search, &shell, &pairs, parts.len()).unwrap_or(parts);
+        parts.into_iter().map(move |part| Part { component: Component { index, image: 0 }, ..part })
     };
-    let Some(featured) = features::cut_off(&search, &shells, &mirrors) else { return parts_of(shells, stage) };
-    let featured = parts_of(featured, stage.from_to(0.0, 0.5));
-    let plain = parts_of(shells, stage.from_to(0.5, 1.0));
-    [featured, plain].into_iter().flatten().min_by_key(Halves::count)
+    let parts: Vec<Part> = indices.into_iter().zip(shells).zip(found).flat_map(of_shell).collect();
+    let wanted = |halvings: usize| wanted.div_ceil(1 << halvings);
+    let mut parts = join::merge(&search, parts, &mut forbidden, wanted(mirrors.len()));
+    let Some((last, first)) = mirrors.split_last() else { return Some(Halves { whole: parts, mirrored: Vec::new() }) };
+    for (mirror, meeting) in first.iter().zip(&meeting) {
+        let halves = halves::merge(&search, parts, mirror, meeting, &mut forbidden, wanted(1));
+        parts = halves.with_images(&search, mirror, meeting)?;
+    }
+    Some(halves::merge(&search, parts, last, meeting.last()?, &mut forbidden, wanted(0)))
 }
 
 /// Divides parts further, up to `count` in all: those that protrude much from a large surface
