@@ -266,8 +266,8 @@ impl<'a> Search<'a> {
         uncovered_triangles(self.mesh, &hulls, COVERED * self.diagonal(), self.deadline).is_empty()
     }
 
-    /// Whether next to nothing of the solid is in no part. In a quarter, atoms see few others through
-    /// the solid, and a part may lack the inside behind its surface.
+    /// Whether next to nothing of the solid is in no part. In a quarter, atoms see few others
+    /// through the solid, and a part may lack the inside behind its surface.
     fn fills(&self, hulls: &[Hull]) -> bool {
         let solid = self.field.solid();
         let voids = voids(solid, &hulls.iter().collect::<Vec<_>>(), self.deadline);

@@ -21,8 +21,8 @@ const MAX_ROUNDED: usize = 1024;
 const MAX_TRIANGLES: usize = 4096;
 
 /// Up to two mirror planes of a mesh, whose solid is `solid`, at right angles to each other. Each
-/// vertex has another within rounding of its reflection, and reflected triangles lie on the surface.
-/// Coordinate planes are preferred, then the one across which the mesh is longest.
+/// vertex has another within rounding of its reflection, and reflected triangles lie on the
+/// surface. Coordinate planes are preferred, then the one across which the mesh is longest.
 ///
 /// # Complexity
 /// O(n log n) for n vertices and triangles.

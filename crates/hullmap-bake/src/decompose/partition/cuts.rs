@@ -32,7 +32,8 @@ const OFF_MIDDLE: f64 = 0.3;
 /// Relative extra cost of a plane that is not across an axis: axis cuts are the easiest to read.
 const SLANTED: f64 = 0.5;
 
-/// Distance of a cut from the wall that it cuts off, relative to the tolerance of points in a plane.
+/// Distance of a cut from the wall that it cuts off, relative to the tolerance of points in a
+/// plane.
 const BESIDE: f64 = 4.0;
 
 /// Factor for planes of faces: parts then end where faces do, and faces stay flat.
@@ -110,7 +111,7 @@ pub fn through_middle(piece: &Piece) -> impl Iterator<Item = HalfSpace> {
 }
 
 /// The planes of faces at concave edges, and of large faces, that cut a piece, in the given order.
-/// Of walls, planes just beside them, so that the last wall can be cut off.
+/// Walls have planes just beside them, so that the last wall can be cut off.
 pub fn faces<'a>(search: &'a PartitionSearch, piece: &'a Piece) -> impl Iterator<Item = HalfSpace> + 'a {
     let inward = BESIDE * search.scale.tolerance();
     let are_walls = search.field.solid().kind() == SolidKind::Walls;

@@ -23,14 +23,14 @@ const PARALLEL: f64 = 0.02;
 /// Share of a piece's area that a feature has at most.
 const MOST: f64 = 0.4;
 
-/// Two parallel edges. Of the second, `None` is the image of a piece's edge.
+/// Two parallel edges. The second is `None` for the image of a piece's edge.
 pub struct Pair {
     plane: HalfSpace,
     edges: [Option<[DVec3; 2]>; 2],
 }
 
-/// The parts of a piece whose rest without its features is a part: the features and the rest. `None`
-/// if they are not fewer than `count`.
+/// The parts of a piece whose rest without its features is a part: the features and the rest.
+/// `None` if they are not fewer than `count`.
 ///
 /// # Complexity
 /// O(m n) for n atoms and m pairs.
@@ -103,7 +103,7 @@ pub fn pairs(edges: &[[DVec3; 2]], mirrors: &[Mirror]) -> Vec<Pair> {
     edges.iter().copied().flat_map(of_edge).collect()
 }
 
-/// What is left of a piece, and the neighbours of its atoms and corners.
+/// The rest of a piece, and the neighbours of its atoms and corners.
 struct Rest<'a> {
     search: &'a PartitionSearch<'a>,
     piece: Piece,

@@ -82,8 +82,8 @@ fn plane_image(plane: &HalfSpace, mirror: &Mirror) -> HalfSpace {
 }
 
 /// Merges parts of half a surface with their mirror images, under the conditions of
-/// [`join::merge`], down to `wanted` parts. Only components among `meeting`, which reach the mirror,
-/// have parts on both of its sides.
+/// [`join::merge`], down to `wanted` parts. Only components among `meeting`, which reach the
+/// mirror, have parts on both of its sides.
 ///
 /// # Complexity
 /// One hull for each pair of parts, including merged parts.

@@ -227,7 +227,8 @@ impl Scale<'_> {
         Some([side(below, *plane), side(above, plane.opposite())])
     }
 
-    /// Some atoms of a piece above a plane, and the rest of the piece, which is on both of its sides.
+    /// Some atoms of a piece above a plane, and the rest of the piece, which is on both of its
+    /// sides.
     pub fn cut_off(&self, piece: &Piece, plane: &HalfSpace, is_own: &[bool]) -> Option<[Piece; 2]> {
         let (mut cap, mut rest) = (Vec::new(), Vec::new());
         for (atom, is_own) in piece.atoms.iter().zip(is_own) {

@@ -10,7 +10,7 @@ use hullmap_geometry::planes::HalfSpace;
 /// Sine of the angle at which faces must lie in front of each other for their edge to be concave.
 const CONCAVE: f64 = 0.02;
 
-/// The same for sharp edges, at which features begin.
+/// Sine of that angle for sharp edges, at which features begin.
 const SHARP: f64 = 0.3;
 
 /// Share of the area of all faces from which faces in one plane count as large.
@@ -78,7 +78,8 @@ fn normal([a, b, c]: &[DVec3; 3]) -> DVec3 {
     (*b - *a).cross(*c - *a).normalize_or_zero()
 }
 
-/// The planes of both faces at each concave edge, weighted by its length and sine, and the sharp edges.
+/// The planes of both faces at each concave edge, weighted by its length and sine, and the sharp
+/// edges.
 fn concave_edges(triangles: &[[DVec3; 3]]) -> (Vec<Weighted>, Vec<[DVec3; 2]>) {
     let key = |p: DVec3| (p + DVec3::ZERO).to_array().map(f64::to_bits);
     let mut sides: Vec<([[u64; 3]; 2], u32, u32)> = Vec::with_capacity(3 * triangles.len());

@@ -49,8 +49,8 @@ impl Surface {
         Self { triangles, mirror: None, second: None }
     }
 
-    /// The half on the own side of the first mirror, if there is one; `diagonal` belongs to the whole
-    /// mesh. The second mirror is at right angles to the first.
+    /// The half on the own side of the first mirror, if there is one; `diagonal` belongs to the
+    /// whole mesh. The second mirror is at right angles to the first.
     pub fn halved(self, mirrors: &[Mirror], diagonal: f64) -> Self {
         let [mirror, second] = [0, 1].map(|index| mirrors.get(index).copied());
         let triangles =
