@@ -78,7 +78,7 @@ impl Finish<'_> {
     }
 
     fn mirror(&self) -> Option<&Mirror> {
-        self.surface.mirror.as_ref()
+        self.surface.mirrors.first()
     }
 
     fn tight(&self, part: &Part, sides: &[HalfSpace], share: f64) -> Hull {

@@ -1,8 +1,9 @@
 //! The search for parts: within an error, or at most a number of them with the least error.
 //!
 //! # Steps
-//! 1. If the mesh has a mirror plane, or two, search the parts of the surface on one side, and add
-//!    their images. Merge parts at the plane with their images where the limit allows.
+//! 1. If the mesh has a mirror plane, search the parts of the surface on one side, and add their
+//!    images. Merge parts at the plane with their images where the limit allows. With two mirrors,
+//!    also search a quarter. As few parts, or fewer, win.
 //! 2. Where that fails, search the whole surface. Cuts across the plane may need a few parts fewer,
 //!    but equal features would become unequal parts. For a number of parts, the whole surface is
 //!    searched, too, unless there is a deadline, since such parts may be an odd number.
@@ -14,7 +15,7 @@ use super::{
     finish::{COVERED, Finish},
     parameters::Cover,
     part::SourceVertices,
-    partition::{self, Halves, Part, PartitionLimits, field::Field, surface::Surface, wrap::HullLimits},
+    partition::{self, Halves, Part, PartitionLimits, field::Field, surface::Surface, symmetric, wrap::HullLimits},
 };
 use crate::{
     deadline::{Deadline, Reserve},
@@ -22,7 +23,7 @@ use crate::{
     hull::Hull,
     mass,
     progress::Stage,
-    symmetry,
+    symmetry::{self, Mirror},
 };
 use hullmap_geometry::PointSet;
 
@@ -96,41 +97,33 @@ pub struct Search<'a> {
 impl<'a> Search<'a> {
     pub fn hulls(&mut self) -> Option<Vec<Hull>> {
         let error = self.parameters.max_error.resolve(self.diagonal());
-        let mirrors = symmetry::mirrors_of_mesh(self.mesh, self.field.solid());
-        let surface = || Surface::new(self.mesh, self.field.solid());
-        let with =
-            |count: usize| (mirrors.len() >= count).then(|| surface().halved(&mirrors[..count], self.diagonal()));
-        let (quarter, half, whole) = (with(2), with(1), surface());
+        let whole = [Surface::new(self.mesh, self.field.solid())];
+        // Half of it, and a quarter.
+        let mut halves: Vec<Surface> = Vec::new();
+        for mirror in symmetry::mirrors_of_mesh(self.mesh, self.field.solid()) {
+            let half = halves.last().unwrap_or(&whole[0]).halved(mirror, self.diagonal());
+            halves.push(half);
+        }
         let Some(count) = self.parameters.max_parts.map(|count| count as usize) else {
-            for surface in quarter.iter().chain(&half) {
-                let found = self.within(surface, error, usize::MAX, false);
-                let hulls = found.map(|found| self.finished(surface, found));
-                if let Some(hulls) = hulls.filter(|hulls| self.covers(hulls))
-                    && (surface.second.is_none() || self.fills(&hulls))
-                {
-                    return Some(hulls);
-                }
-            }
-            let found = self.within(&whole, error, usize::MAX, false)?;
-            return Some(self.finished(&whole, found));
+            let found = self.plain(&halves, error).map(|found| self.finished(&halves[0], found));
+            return found.filter(|hulls| self.covers(hulls)).or_else(|| {
+                let found = self.plain(&whole, error)?;
+                Some(self.finished(&whole[0], found))
+            });
         };
-        let symmetric = half.as_ref().and_then(|half| {
-            quarter.iter().chain([half]).find_map(|plain| {
-                let found = self.at_most([plain, half], count, error)?;
-                let reached = found.reached();
-                let hulls = self.finished(half, found);
-                let is_fine = self.covers(&hulls) && (plain.second.is_none() || self.fills(&hulls));
-                is_fine.then_some((hulls, reached))
-            })
+        let symmetric = self.at_most(&halves, count, error).and_then(|found| {
+            let reached = found.reached();
+            let hulls = self.finished(&halves[0], found);
+            self.covers(&hulls).then_some((hulls, reached))
         });
         if self.deadline.is_some()
             && let Some((hulls, _)) = symmetric
         {
             return Some(hulls);
         }
-        let other = self.at_most([&whole; 2], count, error);
+        let other = self.at_most(&whole, count, error);
         let is_tighter = |found: &Found| symmetric.as_ref().is_none_or(|(_, reached)| found.reached() < *reached);
-        let other = other.filter(is_tighter).map(|found| self.finished(&whole, found));
+        let other = other.filter(is_tighter).map(|found| self.finished(&whole[0], found));
         other.or(symmetric.map(|(hulls, _)| hulls))
     }
 
@@ -159,9 +152,34 @@ impl<'a> Search<'a> {
         self.deadline.map(|deadline| deadline.with_reserve(FINISHING))
     }
 
-    /// Parts within a limit; `None` with more than `most` before mergers. With a deadline, they are
-    /// at least as small as halves of the surface.
-    fn within(&mut self, surface: &Surface, limit: f64, most: usize, bridges: bool) -> Option<Found> {
+    /// The fewest parts within a limit of a surface, or of quarters of it: of a smaller one, if they
+    /// are as many.
+    fn plain(&mut self, surfaces: &[Surface], limit: f64) -> Option<Found> {
+        let mut best: Option<Found> = None;
+        for surface in surfaces {
+            if best.is_some() && self.is_over() {
+                break;
+            }
+            let found = self.within(surface, limit, None);
+            let found = found.filter(|found| surface.mirrors.len() < 2 || self.fills(&surface.mirrors[0], found));
+            best = found.into_iter().chain(best).min_by_key(Found::count);
+        }
+        best
+    }
+
+    /// Whether next to nothing of the solid is in no part. In a quarter, atoms see few others
+    /// through the solid, and a part may lack the inside behind its surface.
+    fn fills(&self, mirror: &Mirror, found: &Found) -> bool {
+        let images: Vec<Hull> =
+            found.parts.mirrored.iter().filter_map(|part| symmetric::image(&part.hull, mirror)).collect();
+        let hulls: Vec<&Hull> = found.all().map(|part| &part.hull).chain(&images).collect();
+        let voids = voids(self.field.solid(), &hulls, self.deadline);
+        mesh_mass(self.mesh).is_none_or(|mass| voids.relative_to(mass.volume).share <= VOIDS)
+    }
+
+    /// Parts within a limit. With `most`, `None` with more parts than that before mergers, and parts
+    /// may bridge shells. With a deadline, they are at least as small as halves of the surface.
+    fn within(&mut self, surface: &Surface, limit: f64, most: Option<usize>) -> Option<Found> {
         let limit = limit.max(self.least());
         let halved = self.halved(surface);
         if self.is_over() {
@@ -170,9 +188,9 @@ impl<'a> Search<'a> {
         let count = self.parameters.max_parts.map(|count| count as usize);
         let limits = PartitionLimits {
             bounds: HullLimits { deadline: self.searching(), ..self.final_bounds(limit) },
-            most,
+            most: most.unwrap_or(usize::MAX),
             wanted: count.unwrap_or(1),
-            bridges,
+            bridges: most.is_some(),
         };
         let parts = partition::search(surface, &mut self.field, &limits)?;
         let found = Found { parts, limit };
@@ -186,16 +204,16 @@ impl<'a> Search<'a> {
         // Nothing protrudes by more.
         let limit = self.diagonal();
         let count = self.parameters.max_parts.map_or(HALVED, |count| HALVED.min(count as usize));
-        let is_half = surface.mirror.is_some();
+        let is_half = !surface.mirrors.is_empty();
         let count = if is_half { count / 2 } else { count };
         let parts = partition::halved(surface, &self.field, &self.final_bounds(limit), count);
         let (whole, mirrored) = if is_half { (Vec::new(), parts) } else { (parts, Vec::new()) };
         Some(Found { parts: Halves { whole, mirrored }, limit }).filter(|found| found.count() > 1)
     }
 
-    /// At most `count` parts, with the least protrusion: of a plain run on the first surface, or of
-    /// runs on the second.
-    fn at_most(&mut self, [plain, surface]: [&Surface; 2], count: usize, error: f64) -> Option<Found> {
+    /// At most `count` parts, with the least protrusion: of a plain run, or of the first surface.
+    fn at_most(&mut self, surfaces: &[Surface], count: usize, error: f64) -> Option<Found> {
+        let surface = surfaces.first()?;
         let lowest = LEAST_FOR_COUNTS * self.diagonal();
         // The lowest limit known to leave few enough parts, and the highest that leaves too many.
         let (mut best, mut high, mut low): (Option<Found>, Option<f64>, Option<f64>) = (None, None, None);
@@ -203,8 +221,8 @@ impl<'a> Search<'a> {
         for search in 0..=MAX_SEARCHES {
             let found = match search {
                 // The parts of a plain run, if they are few enough.
-                0 => self.within(plain, limit, usize::MAX, false),
-                _ => self.within(surface, limit, 2 * count + 8, true),
+                0 => self.plain(surfaces, limit),
+                _ => self.within(surface, limit, Some(2 * count + 8)),
             };
             match found.filter(|found| found.count() <= count) {
                 Some(found) => {
@@ -245,9 +263,10 @@ impl<'a> Search<'a> {
             }
             let bounds = HullLimits { deadline: self.searching(), ..self.final_bounds(limit) };
             // A part that is its own image cannot be divided into such parts.
-            let (divisible, count) = match surface.mirror {
-                Some(_) => (&mut found.parts.mirrored, (count - found.parts.whole.len()) / 2),
-                None => (&mut found.parts.whole, count),
+            let (divisible, count) = if surface.mirrors.is_empty() {
+                (&mut found.parts.whole, count)
+            } else {
+                (&mut found.parts.mirrored, (count - found.parts.whole.len()) / 2)
             };
             let parts = std::mem::take(divisible);
             *divisible = partition::divided_further(surface, &mut self.field, bounds, parts, count);
@@ -264,13 +283,5 @@ impl<'a> Search<'a> {
     fn covers(&self, hulls: &[Hull]) -> bool {
         let hulls: Vec<&Hull> = hulls.iter().collect();
         uncovered_triangles(self.mesh, &hulls, COVERED * self.diagonal(), self.deadline).is_empty()
-    }
-
-    /// Whether next to nothing of the solid is in no part. In a quarter, atoms see few others
-    /// through the solid, and a part may lack the inside behind its surface.
-    fn fills(&self, hulls: &[Hull]) -> bool {
-        let solid = self.field.solid();
-        let voids = voids(solid, &hulls.iter().collect::<Vec<_>>(), self.deadline);
-        mesh_mass(self.mesh).is_none_or(|mass| voids.relative_to(mass.volume).share <= VOIDS)
     }
 }

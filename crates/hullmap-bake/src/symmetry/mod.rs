@@ -17,12 +17,17 @@ use hullmap_geometry::{PointSet, triangle};
 /// Maximum number of parts that are compared with each other where coordinates are rounded.
 const MAX_ROUNDED: usize = 1024;
 
+/// Length across a second mirror, relative to the first, up to which it is not used: most parts of a
+/// plate are their own images about the middle of its thickness.
+const THIN: f64 = 0.5;
+
 /// Maximum number of triangles whose reflections are compared with the surface.
 const MAX_TRIANGLES: usize = 4096;
 
 /// Up to two mirror planes of a mesh, whose solid is `solid`, at right angles to each other. Each
 /// vertex has another within rounding of its reflection, and reflected triangles lie on the
-/// surface. Coordinate planes are preferred, then the one across which the mesh is longest.
+/// surface. Coordinate planes are preferred, then the one across which the mesh is longest. The
+/// mesh is at least half as long across the second.
 ///
 /// # Complexity
 /// O(n log n) for n vertices and triangles.
@@ -42,7 +47,17 @@ pub fn mirrors_of_mesh(mesh: &PointSet, solid: &Solid) -> Vec<Mirror> {
             })
         })
     };
-    search::mirrors(&points).into_iter().filter(is_mirrored).take(2).collect()
+    let size = |mirror: &Mirror| {
+        let heights = points.iter().map(|p| mirror.plane.height(DVec3::from_array(p.map(f64::from))).abs());
+        heights.fold(0.0, f64::max)
+    };
+    let mut found: Vec<Mirror> = search::mirrors(&points).into_iter().filter(is_mirrored).take(2).collect();
+    if let [first, second] = &found[..]
+        && size(second) < THIN * size(first)
+    {
+        found.pop();
+    }
+    found
 }
 
 /// The plane about which parts, each given by its vertices, are symmetric: each is the mirror image

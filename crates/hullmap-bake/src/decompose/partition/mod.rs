@@ -12,9 +12,9 @@
 //!    the sides. Atoms that see each other through the solid are connected, and the points inside
 //!    at which planes meet belong to a piece, so that parts contain the solid, too.
 //! 4. Where that gives a few parts, also peel the piece, and take the fewer parts.
-//! 5. Cut off what stands out of a shell, such as teeth. If that leaves a part, and fewer parts in
-//!    all, take these.
-//! 6. Merge parts as long as the merged hull is proven, and barely overlaps other parts.
+//! 5. Merge parts as long as the merged hull is proven, and barely overlaps other parts.
+//! 6. Cut off features of a shell, such as teeth. If that leaves a part, merge these parts, too, and
+//!    take the fewer.
 //!
 //! About a mirror, one half is searched; about two mirrors, a quarter. Parts are then merged across
 //! the mirrors, into parts that both mirror.
@@ -121,13 +121,12 @@ pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) ->
     let field = &*field;
     let diagonal = field.solid().diagonal();
     let scale = Scale { limit: limit * RESERVE, diagonal, field };
-    let triangles = surface.least(diagonal);
-    let planes = FacePlanes::new(&triangles);
+    let Surface { triangles, mirrors } = surface;
+    let planes = FacePlanes::new(triangles);
     let search = PartitionSearch { field, scale, planes: &planes, bounds };
-    let atoms = patches(&triangles, diagonal / ATOMS);
+    let atoms = patches(triangles, diagonal / ATOMS);
     let atoms: Vec<Arc<Atom>> = atoms.into_iter().map(|patch| Arc::new(Atom::new(patch))).collect();
-    let mut forbidden = search.forbidden(&triangles, &scale.body_of(&Cloud::of_atoms(&atoms)));
-    let mirrors: Vec<Mirror> = surface.mirrors().copied().collect();
+    let mut forbidden = search.forbidden(triangles, &scale.body_of(&Cloud::of_atoms(&atoms)));
     let sides: Vec<HalfSpace> = mirrors.iter().map(|mirror| mirror.plane.opposite()).collect();
     let shells = if bridges {
         vec![(0, scale.piece(atoms, Vec::new(), sides, &forbidden))]
@@ -141,20 +140,33 @@ pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) ->
     let meeting: Vec<Vec<u32>> = mirrors.iter().map(meets).collect();
     let (indices, shells): (Vec<u32>, Vec<Piece>) = shells.into_iter().unzip();
     let found = each_divided(&search, shells.clone(), most, 0, &mut forbidden, stage.from_to(0.0, DIVIDED))?;
-    let pairs = features::pairs(&search.planes.edges, &mirrors);
-    let of_shell = |((index, shell), parts): ((u32, Piece), Vec<Part>)| {
-        let parts = features::parts(&search, &shell, &pairs, parts.len()).unwrap_or(parts);
-        parts.into_iter().map(move |part| Part { component: Component { index, image: 0 }, ..part })
+    let pairs = features::pairs(&planes.edges, mirrors);
+    let featured = |(shell, parts): (&Piece, &Vec<Part>)| features::parts(&search, shell, &pairs, parts.len());
+    let featured: Vec<Option<Vec<Part>>> = shells.iter().zip(&found).map(featured).collect();
+    let mut merged = |parts: Vec<Vec<Part>>| {
+        let of_shell = |(index, parts): (&u32, Vec<Part>)| {
+            let component = Component { index: *index, image: 0 };
+            parts.into_iter().map(move |part| Part { component, ..part })
+        };
+        let mut parts: Vec<Part> = indices.iter().zip(parts).flat_map(of_shell).collect();
+        let wanted = |mirrors: usize| wanted.div_ceil(1 << mirrors);
+        parts = join::merge(&search, parts, &mut forbidden, wanted(mirrors.len()));
+        let (Some((first, others)), Some((meet_first, meet_others))) = (mirrors.split_first(), meeting.split_first())
+        else {
+            return Some(Halves { whole: parts, mirrored: Vec::new() });
+        };
+        for (mirror, meeting) in others.iter().zip(meet_others).rev() {
+            let halves = halves::merge(&search, parts, mirror, meeting, &mut forbidden, wanted(1));
+            parts = halves.with_images(&search, mirror, meeting)?;
+        }
+        Some(halves::merge(&search, parts, first, meet_first, &mut forbidden, wanted(0)))
     };
-    let parts: Vec<Part> = indices.into_iter().zip(shells).zip(found).flat_map(of_shell).collect();
-    let wanted = |halvings: usize| wanted.div_ceil(1 << halvings);
-    let mut parts = join::merge(&search, parts, &mut forbidden, wanted(mirrors.len()));
-    let Some((last, first)) = mirrors.split_last() else { return Some(Halves { whole: parts, mirrored: Vec::new() }) };
-    for (mirror, meeting) in first.iter().zip(&meeting) {
-        let halves = halves::merge(&search, parts, mirror, meeting, &mut forbidden, wanted(1));
-        parts = halves.with_images(&search, mirror, meeting)?;
+    if featured.iter().all(Option::is_none) {
+        return merged(found);
     }
-    Some(halves::merge(&search, parts, last, meeting.last()?, &mut forbidden, wanted(0)))
+    let plain = merged(found.clone());
+    let featured = featured.into_iter().zip(found).map(|(featured, plain)| featured.unwrap_or(plain)).collect();
+    [merged(featured), plain].into_iter().flatten().min_by_key(Halves::count)
 }
 
 /// Divides parts further, up to `count` in all: those that protrude much from a large surface

@@ -14,12 +14,10 @@ use hullmap_geometry::{PointSet, planes, triangle::Triangle};
 
 /// Triangles, and where they are halved.
 pub struct Surface {
-    /// The triangles. Their faces point outward.
+    /// The triangles on the own sides of all mirrors. Their faces point outward.
     pub triangles: Vec<Triangle>,
-    /// The mirror about which they are half of a surface.
-    pub mirror: Option<Mirror>,
-    /// A mirror about which the half is symmetric.
-    pub second: Option<Mirror>,
+    /// The mirrors, at right angles to each other.
+    pub mirrors: Vec<Mirror>,
 }
 
 impl Surface {
@@ -46,37 +44,19 @@ impl Surface {
         if triangles.iter().map(|[a, b, c]| a.cross(*b).dot(*c)).sum::<f64>() < 0.0 {
             triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         }
-        Self { triangles, mirror: None, second: None }
+        Self { triangles, mirrors: Vec::new() }
     }
 
-    /// The half on the own side of the first mirror, if there is one; `diagonal` belongs to the
-    /// whole mesh. The second mirror is at right angles to the first.
-    pub fn halved(self, mirrors: &[Mirror], diagonal: f64) -> Self {
-        let [mirror, second] = [0, 1].map(|index| mirrors.get(index).copied());
-        let triangles =
-            mirror.map_or_else(|| self.triangles.clone(), |mirror| half(&self.triangles, &mirror, diagonal));
-        Self { triangles, mirror, second }
+    /// The half on a mirror's own side; `diagonal` belongs to the whole mesh.
+    pub fn halved(&self, mirror: Mirror, diagonal: f64) -> Self {
+        let own = mirror.plane.opposite();
+        let half = |triangle: &Triangle| {
+            let mut kept = planes::cut(triangle, &own, ON_PLANE * diagonal)[0].clone();
+            // Both halves end at the same points.
+            kept.iter_mut().filter(|p| own.height(**p).abs() <= ON_PLANE * diagonal).for_each(|p| *p = mirror.foot(*p));
+            planes::fan(&kept)
+        };
+        let triangles = self.triangles.iter().flat_map(half).collect();
+        Self { triangles, mirrors: [self.mirrors.as_slice(), &[mirror]].concat() }
     }
-
-    /// The triangles on the own sides of both mirrors.
-    pub fn least(&self, diagonal: f64) -> Vec<Triangle> {
-        self.second.map_or_else(|| self.triangles.clone(), |mirror| half(&self.triangles, &mirror, diagonal))
-    }
-
-    /// Its mirrors, the one that halves it last.
-    pub fn mirrors(&self) -> impl Iterator<Item = &Mirror> {
-        self.second.iter().chain(&self.mirror)
-    }
-}
-
-/// The triangles on a mirror's own side.
-fn half(triangles: &[Triangle], mirror: &Mirror, diagonal: f64) -> Vec<Triangle> {
-    let own = mirror.plane.opposite();
-    let half = |triangle: &Triangle| {
-        let mut kept = planes::cut(triangle, &own, ON_PLANE * diagonal)[0].clone();
-        // Both halves end at the same points.
-        kept.iter_mut().filter(|p| own.height(**p).abs() <= ON_PLANE * diagonal).for_each(|p| *p = mirror.foot(*p));
-        planes::fan(&kept)
-    };
-    triangles.iter().flat_map(half).collect()
 }
