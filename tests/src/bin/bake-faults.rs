@@ -10,9 +10,7 @@ use hullmap_testkit::command::binary;
 /// Counts and failures go to standard output. Exits with 1 if a check fails. Linux only; temporary
 /// folders take a few MB.
 #[derive(Parser)]
-#[command(
-    after_help = "Example:\n  cargo run --release -p hullmap-tests --features programs --bin bake-faults -- --only kill,power"
-)]
+#[command(after_help = "Example:\n  cargo program bake-faults -- --only kill,power")]
 struct Arguments {
     /// The command to test [default: built from this workspace]
     #[arg(long)]

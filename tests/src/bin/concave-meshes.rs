@@ -2,7 +2,7 @@
 //! can decompose them.
 //!
 //! ```text
-//! cargo run --release -p hullmap-tests --features programs --bin concave-meshes -- --meshes FOLDER --write FOLDER
+//! cargo program concave-meshes -- --meshes FOLDER --write FOLDER
 //! ```
 //!
 //! Each is scaled to a diagonal of 1, about the origin.

@@ -1,7 +1,7 @@
 //! Decomposes random and damaged meshes and judges every claim by sampling.
 //!
 //! ```text
-//! cargo run --release -p hullmap-tests --features programs --bin decompose-soak -- --meshes 10000 --seed 1
+//! cargo program decompose-soak -- --meshes 10000 --seed 1
 //! ```
 //!
 //! The judge is [`hullmap_tests::sampler`], which shares no code with the bounds. Ends with status

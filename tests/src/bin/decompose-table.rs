@@ -1,9 +1,9 @@
 //! Prints how well convex decompositions fit concave meshes, beside the parts of another tool.
 //!
 //! ```text
-//! cargo run --release -p hullmap-tests --features programs --bin concave-meshes -- --meshes FOLDER --write MESHES
+//! cargo program concave-meshes -- --meshes FOLDER --write MESHES
 //! python benches/peers/decompose.py coacd MESHES PEER
-//! cargo run --release -p hullmap-tests --features programs --bin decompose-table -- MESHES --peer PEER
+//! cargo program decompose-table -- MESHES --peer PEER
 //! ```
 //!
 //! PEER holds the other tool's parts of each mesh, as the objects of an OBJ file of the mesh's

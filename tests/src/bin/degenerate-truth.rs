@@ -12,9 +12,7 @@ use hullmap_tests::degenerate::Tally;
 /// general path. Counts and misses go to standard output, progress to standard error. Exits with 1
 /// if an answer is wrong.
 #[derive(Parser)]
-#[command(
-    after_help = "Example:\n  cargo run --release -p hullmap-tests --features programs --bin degenerate-truth -- --pairs 16000 --seed 1"
-)]
+#[command(after_help = "Example:\n  cargo program degenerate-truth -- --pairs 16000 --seed 1")]
 struct Arguments {
     /// Number of pairs
     #[arg(long, default_value_t = 16_000)]

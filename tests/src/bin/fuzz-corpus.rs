@@ -8,9 +8,7 @@ use hullmap_tests::fuzzed::{TARGETS, corpus, seeds::seeds};
 
 /// Unpack, pack or seed the corpora in fuzz/corpus.
 #[derive(Parser)]
-#[command(
-    after_help = "Example:\n  cargo run --release -p hullmap-tests --features programs --bin fuzz-corpus -- unpack solver"
-)]
+#[command(after_help = "Example:\n  cargo program fuzz-corpus -- unpack solver")]
 struct Arguments {
     /// Action to perform
     action: Action,

@@ -17,9 +17,7 @@ use hullmap_tests::hostile::{sheets, tries};
 /// Counts go to standard output, progress to standard error. A panic or a hang ends the run and
 /// names the change.
 #[derive(Parser)]
-#[command(
-    after_help = "Example:\n  cargo run --release -p hullmap-tests --features programs --bin hostile-packs -- --flips 10000000 --seed 1 --threads 2"
-)]
+#[command(after_help = "Example:\n  cargo program hostile-packs -- --flips 10000000 --seed 1 --threads 2")]
 struct Arguments {
     /// Number of bits to flip: all bits of the small files, then all bits of random ones
     #[arg(long, default_value_t = 10_000_000)]

@@ -2,7 +2,7 @@
 //! damages them.
 //!
 //! ```text
-//! cargo run --release -p hullmap-tests --features programs --bin index-truth -- --hulls 1000 --directions 48000000
+//! cargo program index-truth -- --hulls 1000 --directions 48000000
 //! ```
 //!
 //! Ends with status 1 if an index is not proven, an answer is not exact, or a removed candidate is

@@ -12,9 +12,7 @@ use rayon::prelude::*;
 /// Counts and wrong answers go to standard output, progress to standard error. Exits with 1 if an
 /// answer is wrong.
 #[derive(Parser)]
-#[command(
-    after_help = "Example:\n  cargo run --release -p hullmap-tests --features programs --bin mesh-truth -- --queries 1000000 --seed 1"
-)]
+#[command(after_help = "Example:\n  cargo program mesh-truth -- --queries 1000000 --seed 1")]
 struct Arguments {
     /// Minimum number of queries
     #[arg(long, default_value_t = 1_000_000)]

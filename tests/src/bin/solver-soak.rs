@@ -19,9 +19,7 @@ use hullmap_tests::{
 /// Pairs are indexed and do not depend on the number of threads. Counts and wrong answers go to
 /// standard output, progress to standard error. Exits with 1 if an answer is wrong.
 #[derive(Parser)]
-#[command(
-    after_help = "Example:\n  HULLMAP_HULLS=game_hulls.bin cargo run --release -p hullmap-tests --features programs --bin solver-soak -- --pairs 100000000"
-)]
+#[command(after_help = "Example:\n  HULLMAP_HULLS=game_hulls.bin cargo program solver-soak -- --pairs 100000000")]
 struct Arguments {
     /// Queries to run
     #[arg(long, value_enum, default_value_t = Queries::Pairs)]

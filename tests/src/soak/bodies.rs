@@ -60,7 +60,7 @@ impl fmt::Display for BodyPair<'_, '_> {
         let (t, r) = (self.b_in_a.translation(), self.b_in_a.rotation());
         write!(
             f,
-            "{:?}: {} and {}\n  pose {:e} {:e} {:e} {:e} {:e} {:e} {:e}\n  reproduce: cargo run --release -p hullmap-tests --features programs --bin \
+            "{:?}: {} and {}\n  pose {:e} {:e} {:e} {:e} {:e} {:e} {:e}\n  reproduce: cargo program \
              solver-soak -- --seed {} --first {} --pairs 1",
             self.meeting,
             self.bodies[0].name,

@@ -8,8 +8,10 @@
 //!    point itself, since there are none that should stay.
 
 use super::clip::{FACE, Frame, Part, Patch, PatchPoint};
+use super::lengths::Lengths;
 use super::surface::settle_b;
-use super::{Lengths, Manifold, ManifoldPoint, ManifoldSettings, SAME_DEPTH, farther_out, middle, part, tips};
+use super::widen::{farther_out, middle, tips};
+use super::{Manifold, ManifoldPoint, ManifoldSettings, SAME_DEPTH, part};
 use crate::pose::Pose;
 use crate::shapes::{Corner, Feature, HalfSpace, Shape};
 use crate::solver::{Contact, Status};

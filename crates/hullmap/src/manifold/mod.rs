@@ -37,28 +37,31 @@
 
 mod clip;
 mod half_space;
+mod lengths;
 pub(crate) mod matching;
 mod near;
+mod point;
 #[doc(hidden)]
 pub mod select;
 mod settings;
 mod surface;
+mod widen;
 
 use crate::pose::Pose;
-use crate::shapes::feature::tilted_toward;
-use crate::shapes::{Corner, Feature, Shape, TILT};
+use crate::shapes::{Corner, Feature, Shape};
 use crate::solver::{Cache, Contact, Settings, Status};
-use crate::support::SupportPoint;
 use arrayvec::ArrayVec;
 pub(crate) use clip::Body;
 use clip::{FACE, Frame, Part, Patch, PatchPoint, meet, nearest_on};
 use glam::{DVec2, DVec3};
+use lengths::Lengths;
 use matching::{Likeness, match_points};
 use near::{Near, near_contact};
-use select::{Choice, SAME_PLACE, SLIGHT, Spot};
+pub use point::{FeatureId, ManifoldPoint, PointId};
+use select::{Choice, SAME_PLACE, Spot};
 pub use settings::{ManifoldSettings, Prediction};
-use std::fmt;
 use surface::{INWARD, settle, witness};
+use widen::{center, middle, tips, widen};
 
 /// Maximum number of points of a manifold.
 pub const MAX_POINTS: usize = 4;
@@ -79,124 +82,8 @@ const COPLANAR: f64 = 5e-7;
 /// are taken from its plane: 45 degrees.
 const LEAST_COSINE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Distance from the centre, relative to the smaller shape's outer radius, of a point on which a
-/// body balances.
-const BALANCED: f64 = 0.05;
-
 /// Maximum number of steps of a second search for the contact of curved shapes.
 const MOST_AGAIN: u32 = 128;
-
-/// Tangent of the maximum angle between the normal and a direction in which a tipping body's far
-/// side is searched for.
-const STEEPEST: f64 = 1.0;
-
-/// The feature of one shape that a manifold point lies on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum FeatureId {
-    /// A vertex: its [`Corner::vertex`](crate::Corner::vertex), which for a hull is the vertex
-    /// index.
-    Vertex(u32),
-    /// An edge, by its two vertices in ascending order.
-    Edge(u32, u32),
-    /// The interior of a face.
-    Face,
-}
-
-impl FeatureId {
-    fn from_part(part: Part) -> Self {
-        match part {
-            FACE => Self::Face,
-            [a, b] if a == b => Self::Vertex(a),
-            [a, b] => Self::Edge(a, b),
-        }
-    }
-}
-
-impl fmt::Display for FeatureId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Vertex(vertex) => write!(f, "vertex {vertex}"),
-            Self::Edge(start, end) => write!(f, "edge {start}-{end}"),
-            Self::Face => f.write_str("face"),
-        }
-    }
-}
-
-/// The pair of features that a manifold point lies on. Equal from frame to frame while the same
-/// features meet.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::manifold::FeatureId;
-/// use hullmap::shapes::Cuboid;
-/// use hullmap::{Cache, Manifold, ManifoldSettings, Pose};
-///
-/// let (floor, cube) = (Cuboid::new(DVec3::new(5.0, 5.0, 1.0))?, Cuboid::new(DVec3::ONE)?);
-/// let (mut manifold, mut cache) = (Manifold::new(), Cache::new());
-/// let b_in_a = Pose::from_translation(DVec3::new(0.0, 0.0, 1.99))?;
-/// manifold.update(&floor, &cube, b_in_a, &ManifoldSettings::default(), &mut cache);
-/// let id = manifold.points()[0].id;
-/// assert_eq!(id.on_a(), FeatureId::Face);
-/// assert!(matches!(id.on_b(), FeatureId::Vertex(_)));
-/// assert!(id.to_string().starts_with("face to vertex"));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct PointId {
-    parts: [Part; 2],
-}
-
-impl PointId {
-    /// The feature of A.
-    pub fn on_a(self) -> FeatureId {
-        FeatureId::from_part(self.parts[0])
-    }
-
-    /// The feature of B.
-    pub fn on_b(self) -> FeatureId {
-        FeatureId::from_part(self.parts[1])
-    }
-}
-
-impl fmt::Display for PointId {
-    /// For instance `face to vertex 3`: A's feature, then B's.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} to {}", self.on_a(), self.on_b())
-    }
-}
-
-/// A point of a [`Manifold`]. Lengths are in the shapes' units.
-///
-/// The two points lie on the surfaces, whatever the status of the manifold is: off by at most 2e-6
-/// of the smaller shape's outer radius, plus the rounding of coordinates (for curved surfaces also
-/// 1e-10 of their own radius). A hull's faces are flat up to the rounding of its vertices to f32.
-/// Where points are deeper than the contact, within these bounds, both give way by half of the
-/// excess.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ManifoldPoint {
-    /// The features it lies on.
-    pub id: PointId,
-    /// The point on A's surface, in A's frame.
-    pub point_a: DVec3,
-    /// The point on B's surface, in A's frame.
-    pub point_b: DVec3,
-    /// The point on B's surface, in B's frame.
-    pub local_b: DVec3,
-    /// Penetration depth at this point along the manifold's normal n, (`point_a` − `point_b`) · n;
-    /// negative if the surfaces are separated there, by at most the prediction. At most the depth
-    /// of the contact, or its upper bound if the interval is wide.
-    pub depth: f64,
-    /// Owned by the caller: 0 in a new point and unchanged while the point is kept. Made for the
-    /// accumulated impulse along the normal and two tangents, with which the next frame's solver
-    /// starts.
-    pub impulse: [f64; 3],
-    /// Owned by the caller: 0 in a new point and unchanged while the point is kept. For a material,
-    /// an event id or an index.
-    pub user_data: u64,
-    /// Number of earlier updates in which the point was present.
-    pub age: u32,
-}
 
 /// The contact manifold of two shapes: caller-owned memory of one ordered pair (A, B).
 ///
@@ -234,31 +121,6 @@ pub struct Manifold {
     status: Status,
     /// For A and B: see [`Feature::lone_face`].
     lone_faces: [Option<u32>; 2],
-}
-
-impl ManifoldPoint {
-    /// Distance from an earlier point: on A or on B, whichever is smaller.
-    pub(crate) fn distance(&self, old: &Self) -> f64 {
-        self.point_a.distance(old.point_a).min(self.local_b.distance(old.local_b))
-    }
-
-    /// Takes over what the caller stored in this point in the last frame.
-    pub(crate) fn keep(&mut self, old: &Self) {
-        (self.impulse, self.user_data) = (old.impulse, old.user_data);
-        self.age = old.age.saturating_add(1);
-    }
-
-    /// Fills unused places.
-    pub(crate) const EMPTY: Self = Self {
-        id: PointId { parts: [FACE; 2] },
-        point_a: DVec3::ZERO,
-        point_b: DVec3::ZERO,
-        local_b: DVec3::ZERO,
-        depth: 0.0,
-        impulse: [0.0; 3],
-        user_data: 0,
-        age: 0,
-    };
 }
 
 impl Default for Manifold {
@@ -578,43 +440,6 @@ impl Likeness for Frames<'_> {
     }
 }
 
-/// Lengths of an update.
-struct Lengths {
-    /// Depth of the contact; negative for a gap.
-    depth: f64,
-    /// Width of the interval of the depth.
-    width: f64,
-    prediction: f64,
-    /// The smaller outer radius.
-    reach: f64,
-}
-
-impl Lengths {
-    /// A height above both surfaces, from the origin of the frame.
-    fn height_above(&self) -> f64 {
-        self.depth.abs() + self.reach
-    }
-
-    /// Greatest depth of a point: of the contact, or of its upper bound if the interval is wide.
-    fn greatest(&self) -> f64 {
-        if self.width > ON_SURFACE * self.reach { self.depth + self.width } else { self.depth }
-    }
-
-    /// A point that is within the prediction; also one that is beyond it by less than points may be
-    /// off, whose surfaces give way by half of that.
-    fn near_enough(&self, point: PatchPoint) -> Option<PatchPoint> {
-        let beyond = (-self.prediction - point.depth()).max(0.0);
-        let heights = [point.heights[0] + 0.5 * beyond, point.heights[1] - 0.5 * beyond];
-        // NaN takes the failing branch.
-        (beyond <= ON_SURFACE * self.reach).then_some(PatchPoint { heights, ..point })
-    }
-
-    /// Depths that differ by less than this count as equal.
-    fn slight(&self) -> f64 {
-        (SLIGHT * self.prediction).max(SAME_DEPTH * self.reach)
-    }
-}
-
 /// The points within the prediction where the features that face each other along the normal of
 /// `frame` overlap, into `patch`. Writes the features of A and of B, in A's frame.
 fn clipped<A: Shape + ?Sized, B: Shape + ?Sized>(
@@ -673,89 +498,6 @@ fn is_face<S: Shape + ?Sized>(shape: &S, feature: &Feature, pose: Pose, normal: 
     }
     let top = shape.support_point(pose.inverse_transform_vector(outward)).point;
     height(pose.transform_point(top)) <= slack
-}
-
-/// The centre of the smaller body, in the plane perpendicular to the normal of `frame`.
-fn center<A: Shape + ?Sized, B: Shape + ?Sized>((a, b, b_in_a): (&A, &B, Pose), frame: &Frame) -> DVec2 {
-    let a_is_smaller = a.outer_radius() < b.outer_radius();
-    frame.projected(if a_is_smaller { a.interior_point() } else { b_in_a.transform_point(b.interior_point()) })
-}
-
-/// Whether the smaller body tips on the chosen points: its centre is not over them, and not close
-/// to one of them, as a ball's centre is.
-fn tips(choice: &Choice, spots: &[Spot], center: DVec2, lengths: &Lengths) -> bool {
-    let is_close = |i: &usize| spots[*i].at.distance(center) <= BALANCED * lengths.reach;
-    !choice.is_below(spots, center) && !choice.indices().iter().any(is_close)
-}
-
-/// The mean of the chosen points.
-fn middle(choice: &Choice, patch: &Patch) -> DVec2 {
-    let indices = choice.indices();
-    indices.iter().map(|i| patch.points()[*i].at).sum::<DVec2>() / indices.len().max(1) as f64
-}
-
-/// Adds vertices of the smaller body that are farther out and within the prediction of the other
-/// one.
-///
-/// A body whose centre is not over its points tips, to where it has none. If the body is small or
-/// deep in the other one, its far side is in there as well, or will be in the next frame.
-fn widen<A: Shape + ?Sized, B: Shape + ?Sized>(
-    (a, b, b_in_a): (&A, &B, Pose),
-    patch: &mut Patch,
-    [from, toward]: [DVec2; 2],
-    (frame, features): (&Frame, &[Feature; 2]),
-    lengths: &Lengths,
-) {
-    let mut add = |point: DVec3, exact: [bool; 2], parts: [Part; 2]| {
-        let heights = [(point - frame.origin).dot(frame.normal); 2];
-        // The other surface is at most half of the depth beyond the origin.
-        let [on_a, on_b] = [0.5 * lengths.depth, -0.5 * lengths.depth];
-        let most = if exact[1] { on_a - heights[1] } else { heights[0] - on_b };
-        let at = frame.projected(point);
-        if (at - from).dot(toward) <= 0.0 {
-            return;
-        }
-        let is_same = |known: &PatchPoint| known.parts == parts || known.at.distance(at) <= SAME_PLACE * lengths.reach;
-        if most < -lengths.prediction || patch.points().iter().any(is_same) {
-            return;
-        }
-        let mut point = PatchPoint { at, heights, exact, is_moved: false, parts };
-        if settle((a, b, b_in_a), frame, features, lengths.height_above(), &mut point)
-            && point.depth() >= -lengths.prediction
-        {
-            patch.push(point);
-        }
-    };
-    // A flat shape has no side that is farther out than its face.
-    if a.outer_radius() < b.outer_radius() {
-        if a.inner_radius() > 0.0 {
-            for SupportPoint { point, feature } in farther_out(a, frame.normal, frame.vector(toward), lengths) {
-                add(point, [true, false], [[feature; 2], FACE]);
-            }
-        }
-    } else if b.inner_radius() > 0.0 {
-        let [dir, toward] = [-frame.normal, frame.vector(toward)].map(|v| b_in_a.inverse_transform_vector(v));
-        for SupportPoint { point, feature } in farther_out(b, dir, toward, lengths) {
-            add(b_in_a.transform_point(point), [false, true], [FACE, [feature; 2]]);
-        }
-    }
-}
-
-/// Support points of `shape` in directions that are tilted from `dir` to the side of `toward`, both
-/// in its frame, so far that the points are about as high above the support plane as the depth and
-/// the prediction.
-fn farther_out<S: Shape + ?Sized>(
-    shape: &S,
-    dir: DVec3,
-    toward: DVec3,
-    lengths: &Lengths,
-) -> impl Iterator<Item = SupportPoint> {
-    let Lengths { depth, prediction, reach, .. } = *lengths;
-    // A support point at the distance l, in a direction that is tilted by the tangent t, is at most
-    // t l above the support plane.
-    #[expect(clippy::manual_clamp, reason = "NaN, of a point on a point, becomes the lower end")]
-    let tilt = ((depth.max(0.0) + prediction) / reach).max(TILT).min(STEEPEST);
-    tilted_toward(shape, dir, tilt, toward)
 }
 
 /// The `choice` of the points of `patch`, moved to the surfaces. Points drop out where a surface

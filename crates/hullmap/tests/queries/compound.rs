@@ -556,3 +556,27 @@ fn one_ulp_gap_between_boxes() {
         }
     }
 }
+
+/// A stored axis answers the next query of separated hulls, with one support query at most.
+#[test]
+fn a_stored_axis_separates_hulls_of_packs_again() {
+    println!("seed {SEED:#x}");
+    let families = [Family::Rock, Family::CubeGrid, Family::Lens, Family::Cone];
+    let packs = families.map(|family| packs::tree_pack(&family.points(200, 1)));
+    let (mut asked, mut separated) = (0, 0);
+    for (a, b) in packs.iter().flat_map(|a| packs.iter().map(move |b| (a, b))) {
+        let reach: f64 = [a, b].map(|pack| pack.hull(0).unwrap().outer_radius()).iter().sum();
+        for pose in poses(40, reach, SEED) {
+            let mut cache = Cache::with_pairs(1);
+            let cold = hullmap::intersects(a, b, pose, &mut cache);
+            if cold.status == Overlap::Separated {
+                let warm = hullmap::intersects(a, b, pose, &mut cache);
+                assert!(warm.status == Overlap::Separated && warm.support_calls <= 1, "{pose:?}: {cold:?} {warm:?}");
+                separated += 1;
+                asked += usize::from(cold.support_calls > 1);
+            }
+        }
+    }
+    println!("{separated} separated, {asked} of them after more than one support query");
+    assert!(asked > 50, "not representative: {asked} of {separated}");
+}

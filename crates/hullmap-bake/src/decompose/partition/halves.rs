@@ -60,7 +60,7 @@ impl Halves {
 
     /// All parts and the images of those that have images. `None` if an image is not proven, or the
     /// time is over.
-    pub fn with_images(self, search: &PartitionSearch, mirror: &Mirror, meeting: &[u32]) -> Option<Vec<Part>> {
+    fn with_images(self, search: &PartitionSearch, mirror: &Mirror, meeting: &[u32]) -> Option<Vec<Part>> {
         let image = |part: &Part| {
             let Piece { atoms, corners, planes, .. } = &part.piece;
             let atoms = atoms.iter().map(|atom| Arc::new(atom.image(mirror))).collect();
@@ -81,13 +81,37 @@ fn plane_image(plane: &HalfSpace, mirror: &Mirror) -> HalfSpace {
     HalfSpace { normal, offset: normal.dot(mirror.image(plane.normal * plane.offset)) }
 }
 
+/// Merges the parts of a surface, and then across its mirrors, the last one first, down to `wanted`
+/// parts in all. `meeting` has the components that reach each mirror. `None` if an image is not
+/// proven, or the time is over.
+pub fn merge_all(
+    search: &PartitionSearch,
+    parts: Vec<Part>,
+    mirrors: &[Mirror],
+    meeting: &[Vec<u32>],
+    forbidden: &mut Vec<DVec3>,
+    wanted: usize,
+) -> Option<Halves> {
+    let wanted = |mirrors: usize| wanted.div_ceil(1 << mirrors);
+    let mut parts = join::merge(search, parts, forbidden, wanted(mirrors.len()));
+    let across: Vec<(&Mirror, &Vec<u32>)> = mirrors.iter().zip(meeting).collect();
+    let Some((first, others)) = across.split_first() else {
+        return Some(Halves { whole: parts, mirrored: Vec::new() });
+    };
+    for (mirror, meeting) in others.iter().rev() {
+        let halves = merge(search, parts, mirror, meeting, forbidden, wanted(1));
+        parts = halves.with_images(search, mirror, meeting)?;
+    }
+    Some(merge(search, parts, first.0, first.1, forbidden, wanted(0)))
+}
+
 /// Merges parts of half a surface with their mirror images, under the conditions of
 /// [`join::merge`], down to `wanted` parts. Only components among `meeting`, which reach the
 /// mirror, have parts on both of its sides.
 ///
 /// # Complexity
 /// One hull for each pair of parts, including merged parts.
-pub fn merge(
+fn merge(
     search: &PartitionSearch,
     parts: Vec<Part>,
     mirror: &Mirror,

@@ -148,18 +148,8 @@ pub fn search(surface: &Surface, field: &mut Field, limits: &PartitionLimits) ->
             let component = Component { index: *index, image: 0 };
             parts.into_iter().map(move |part| Part { component, ..part })
         };
-        let mut parts: Vec<Part> = indices.iter().zip(parts).flat_map(of_shell).collect();
-        let wanted = |mirrors: usize| wanted.div_ceil(1 << mirrors);
-        parts = join::merge(&search, parts, &mut forbidden, wanted(mirrors.len()));
-        let (Some((first, others)), Some((meet_first, meet_others))) = (mirrors.split_first(), meeting.split_first())
-        else {
-            return Some(Halves { whole: parts, mirrored: Vec::new() });
-        };
-        for (mirror, meeting) in others.iter().zip(meet_others).rev() {
-            let halves = halves::merge(&search, parts, mirror, meeting, &mut forbidden, wanted(1));
-            parts = halves.with_images(&search, mirror, meeting)?;
-        }
-        Some(halves::merge(&search, parts, first, meet_first, &mut forbidden, wanted(0)))
+        let parts = indices.iter().zip(parts).flat_map(of_shell).collect();
+        halves::merge_all(&search, parts, mirrors, &meeting, &mut forbidden, wanted)
     };
     if featured.iter().all(Option::is_none) {
         return merged(found);

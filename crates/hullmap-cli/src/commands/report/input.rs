@@ -10,7 +10,7 @@ use hullmap_report::surface::SurfaceReport;
 use hullmap_report::{Analysis, Card, Input, analyse, pack_page, surface_page};
 
 use super::remarks::{excess, remarks};
-use super::sought::{Sought, frame_of, seek_source, source_name};
+use super::source::{FoundSource, frame_of, source_name, source_of};
 use super::surface::analyse_surface;
 use crate::args::ReportArgs;
 use crate::source_mesh::display_mesh;
@@ -72,7 +72,7 @@ pub fn analyse_file(
 ) -> Result<Analysed, Failure> {
     let asset = open_asset(&place.path)?;
     let mut faults = Vec::new();
-    let Sought { source, absent } = seek_source(place, &asset, given, args, folders, &mut faults)?;
+    let FoundSource { source, absent } = source_of(place, &asset, given, args, folders, &mut faults)?;
     let pack = match &asset {
         Asset::Pack(pack) => pack,
         Asset::TriangleMesh(_) | Asset::HeightField(_) => {

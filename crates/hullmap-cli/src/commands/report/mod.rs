@@ -9,7 +9,7 @@
 mod input;
 mod remarks;
 mod shards;
-mod sought;
+mod source;
 mod surface;
 
 use std::ffi::OsString;

@@ -7,7 +7,7 @@ use hullmap::Asset;
 use hullmap_report::input::Remarks;
 use hullmap_report::surface::{Checks, SurfaceInput, SurfaceReport};
 
-use super::sought::{frame_of, source_name};
+use super::source::{frame_of, source_name};
 use crate::args::ReportArgs;
 use hullmap_pipeline::content::{Verified, verify};
 use hullmap_pipeline::open::kept_warnings;

@@ -10,7 +10,7 @@ use hullmap_pipeline::outcome::{Exit, Failure};
 use hullmap_pipeline::packs::PackPlace;
 use hullmap_pipeline::source::{Folders, Recorded, Source, SourceSearch, find_source};
 
-pub struct Sought {
+pub struct FoundSource {
     pub source: Option<Source>,
     /// Why it was not found, as the start of a sentence.
     pub absent: String,
@@ -18,14 +18,14 @@ pub struct Sought {
 
 /// Searches the source of a file. `folders` remembers the folders that were read for other files. A
 /// source that does not match is a fault. Fails if `--source` leads to no file.
-pub fn seek_source(
+pub fn source_of(
     place: &PackPlace,
     asset: &Asset,
     given: Option<&Path>,
     args: &ReportArgs,
     folders: &Folders,
     faults: &mut Vec<String>,
-) -> Result<Sought, Failure> {
+) -> Result<FoundSource, Failure> {
     let mut absent = "the source cannot be used, so".to_owned();
     let source = match find_source(place, Recorded::from_asset(asset), given, &args.limits.limits(), folders) {
         Ok(SourceSearch::Found(source)) => Some(*source),
@@ -39,7 +39,7 @@ pub fn seek_source(
         }
         Err(failure) => return Err(failure),
     };
-    Ok(Sought { source, absent })
+    Ok(FoundSource { source, absent })
 }
 
 /// The recorded path instead of an absolute one, which would name folders of this machine.
