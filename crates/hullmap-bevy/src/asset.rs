@@ -62,7 +62,7 @@ pub enum ShapeError {
     #[error("the pack has no object {name:?}; its objects are {available:?}")]
     NoSuchObject { name: String, available: Vec<String> },
     /// No hull has the index.
-    #[error("hull index {index} is out of range: the pack has {hull_count} hulls, counted from 0")]
+    #[error("hull index {index} is out of range: the pack has {hull_count}, counted from 0")]
     NoSuchHull { index: usize, hull_count: usize },
     /// The pack has no hull at all.
     #[error("the pack has no hulls")]

@@ -614,7 +614,7 @@ fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
             let message = format!("--pose requires its seven numbers in quotes: --pose \"{pose}\"");
             subcommand(words).error(ErrorKind::WrongNumberOfValues, message)
         }
-        _ => guesses::with_tip(with_usage(error, words), &subcommand(words)),
+        _ => guesses::with_tip(with_variable(with_usage(error, words), words), &subcommand(words)),
     })?;
     if let Command::Farm(Farm::Build(args)) = &mut cli.command {
         args.build.shard = Some(args.shard);
@@ -655,6 +655,22 @@ fn with_usage(mut error: clap::Error, words: &[OsString]) -> clap::Error {
     if error.get(ContextKind::Usage).is_none() {
         let usage = subcommand(words).render_usage();
         error.insert(ContextKind::Usage, ContextValue::StyledStr(usage));
+    }
+    error
+}
+
+/// The error names the environment variable, if no word ends with the wrong value.
+fn with_variable(mut error: clap::Error, words: &[OsString]) -> clap::Error {
+    let text = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => text.as_str(),
+        _ => "",
+    };
+    let (named, value) = (text(ContextKind::InvalidArg), text(ContextKind::InvalidValue));
+    let own = subcommand(words);
+    let variable = own.get_arguments().find(|arg| arg.to_string() == named).and_then(Arg::get_env);
+    if let Some(variable) = variable.filter(|_| !words.iter().any(|word| word.to_string_lossy().ends_with(value))) {
+        let name = variable.to_string_lossy().into_owned();
+        error.insert(ContextKind::InvalidArg, ContextValue::String(name));
     }
     error
 }

@@ -52,38 +52,57 @@ pub fn run_jobs(jobs: &[&Job], build: &Build, args: &RunArgs) -> Result<Vec<(Row
     Ok(results)
 }
 
-/// Prints messages in the order of the rows. `prunes`: orphans were to be removed. Without
-/// `--verbose`, only notes that give advice are printed, and the same advice once.
+/// Prints messages in the order of the rows. `prunes`: orphans were to be removed.
 pub fn print_messages(rows: &[Row], args: &RunArgs, prunes: bool) {
-    let mut advised: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     let noted = |row: &&Row| row.status != Status::Orphaned;
-    for (row, note) in rows.iter().filter(noted).flat_map(|row| row.notes.iter().map(move |note| (row, note))) {
-        advised.entry(advice(note).unwrap_or_default()).or_default().push(&row.source);
-    }
+    let mut notes = Notes::new(rows.iter().filter(noted).map(|row| (&*row.source, &*row.notes)), args);
     for row in rows {
-        if !args.quiet {
-            if row.status == Status::Orphaned {
-                let remedy = match row.notes.first() {
-                    Some(kept) => format!(", but {kept}"),
-                    None if prunes => String::new(),
-                    None => " (--prune removes it)".to_owned(),
-                };
-                let reason = row.reason.as_deref().unwrap_or_default();
-                terminal::note(format_args!("{}: {reason}{remedy}", row.output));
-            }
-            for note in row.notes.iter().filter(|_| noted(&row)) {
-                if args.verbose {
-                    terminal::note(format_args!("{}: {note}", row.source));
-                } else if let Some(sources) = advice(note).and_then(|advice| advised.remove(advice)) {
-                    terminal::note(format_args!("{}: {note}{}", row.source, others(&sources[1..])));
-                }
-            }
-            for warning in &row.warnings {
-                terminal::warning(format_args!("{}: {warning}", row.source));
-            }
+        if !args.quiet && row.status == Status::Orphaned {
+            let remedy = match row.notes.first() {
+                Some(kept) => format!(", but {kept}"),
+                None if prunes => String::new(),
+                None => " (--prune removes it)".to_owned(),
+            };
+            let reason = row.reason.as_deref().unwrap_or_default();
+            terminal::note(format_args!("{}: {reason}{remedy}", row.output));
+        } else {
+            notes.print(&row.source, &row.notes);
+        }
+        for warning in row.warnings.iter().filter(|_| !args.quiet) {
+            terminal::warning(format_args!("{}: {warning}", row.source));
         }
         if let Some(error) = &row.error {
             terminal::error(error);
+        }
+    }
+}
+
+/// Notes of several files. Without `--verbose`, only those that give advice are printed, and the
+/// same advice once.
+pub struct Notes<'r> {
+    is_quiet: bool,
+    is_verbose: bool,
+    /// The files that get each advice.
+    advised: BTreeMap<&'r str, Vec<&'r str>>,
+}
+
+impl<'r> Notes<'r> {
+    /// The notes of `rows`: files and their notes.
+    pub fn new(rows: impl Iterator<Item = (&'r str, &'r [String])>, args: &RunArgs) -> Self {
+        let mut advised: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+        for (file, note) in rows.flat_map(|(file, notes)| notes.iter().map(move |note| (file, note))) {
+            advised.entry(advice(note).unwrap_or_default()).or_default().push(file);
+        }
+        Self { is_quiet: args.quiet, is_verbose: args.verbose, advised }
+    }
+
+    pub fn print(&mut self, file: &str, notes: &[String]) {
+        for note in notes.iter().filter(|_| !self.is_quiet) {
+            if self.is_verbose {
+                terminal::note(format_args!("{file}: {note}"));
+            } else if let Some(files) = advice(note).and_then(|advice| self.advised.remove(advice)) {
+                terminal::note(format_args!("{file}: {note}{}", others(&files[1..])));
+            }
         }
     }
 }

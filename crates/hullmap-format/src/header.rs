@@ -114,6 +114,20 @@ pub struct Header {
     pub checksum: u64,
 }
 
+/// Another kind of file, or its first bytes, and the remedy.
+fn otherwise(found: [u8; 8], expected: FileKind) -> String {
+    match FileKind::from_start(&found) {
+        Some(kind) => format!("it is a {kind}; open it as one, or any kind with `Asset::open`"),
+        None => {
+            let [start, expected_start] = [found, expected.magic()].map(|bytes| bytes.escape_ascii().to_string());
+            format!(
+                "it starts with \"{start}\" instead of \"{expected_start}\"; pass a file that {} wrote",
+                expected.writer()
+            )
+        }
+    }
+}
+
 /// Why a header is rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[expect(missing_docs, reason = "the messages explain the fields")]
@@ -126,10 +140,8 @@ pub enum HeaderError {
     TooLong { found: u64, expected: u64 },
     /// The first eight bytes are not the magic of the expected kind of file.
     #[error(
-        "not a {expected}: it starts with \"{}\" instead of \"{}\"; pass a file that {} wrote",
-        found.escape_ascii(),
-        expected.magic().escape_ascii(),
-        expected.writer()
+        "not a {expected}: {}",
+        otherwise(*found, *expected)
     )]
     Magic { found: [u8; 8], expected: FileKind },
     /// The file has another format version.
@@ -347,7 +359,7 @@ mod tests {
         let mesh = Header::for_triangle_mesh(7, 42, b"payload");
         assert_eq!(Header::read_kind(&mesh.to_bytes(), FileKind::TriangleMesh), Ok(mesh));
         let error = Header::read(&mesh.to_bytes()).unwrap_err().to_string();
-        assert!(error.starts_with("not a hullmap pack: it starts with \"hullmsh\\n\""), "{error}");
+        assert!(error.starts_with("not a hullmap pack: it is a "), "{error}");
         let pack = Header::for_payload(7, 42, b"payload");
         assert!(Header::read_kind(&pack.to_bytes(), FileKind::TriangleMesh).is_err());
         let later = Header { format_version: 2, ..mesh };

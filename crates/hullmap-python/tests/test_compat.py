@@ -189,7 +189,9 @@ def test_options_of_scripts(monkeypatch):
     for limit in (1, 4):
         _, parts = warnings_of(mesh, max_convex_hull=np.int64(limit), merge=False)
         assert len(parts) <= limit
-    assert len(coacd.run_coacd(mesh, max_convex_hull=0)) == len(expected)
+    # A maximum is not used up.
+    for limit in (0, len(expected), 100):
+        assert len(coacd.run_coacd(mesh, max_convex_hull=limit)) == len(expected)
     # Threads share the module.
     with ThreadPoolExecutor(3) as pool:
         counts = set(pool.map(lambda threshold: len(coacd.run_coacd(mesh, threshold=threshold)), [0.05] * 3))

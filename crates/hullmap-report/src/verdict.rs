@@ -118,7 +118,7 @@ pub fn headline(pack: &Analysis) -> String {
         Verdict::Exact => {
             let is_unknown = |hull: &HullRow| hull.rank == 3 && !hull.is_mesh_volume_known;
             let unknown = if pack.hulls.iter().any(is_unknown) {
-                " The mesh encloses no volume, so its hollows are unknown; if it has any, bake it with --decompose."
+                " The mesh is not watertight, so its hollows are unknown; if it has any, bake it with --decompose."
             } else {
                 ""
             };

@@ -47,7 +47,7 @@ pub struct Pose {
 pub enum PoseError {
     /// A component of the translation is NaN, infinite, or beyond [`MAX_TRANSLATION`].
     #[error(
-        "translation must be finite and within {MAX_TRANSLATION:e}, found ({}, {}, {}): \
+        "translation must be finite and within 3.4e38, found ({:?}, {:?}, {:?}): \
          check the pose's source for a division by zero or an overflow",
         found.x, found.y, found.z
     )]
@@ -57,7 +57,7 @@ pub enum PoseError {
     },
     /// A component of the rotation is NaN or infinite.
     #[error(
-        "rotation must be finite, found ({}, {}, {}, {}): check the pose's source for a division by zero or an overflow",
+        "rotation must be finite, found ({:?}, {:?}, {:?}, {:?}): check the pose's source for a division by zero or an overflow",
         found.x, found.y, found.z, found.w
     )]
     Rotation {
@@ -273,6 +273,12 @@ impl Pose {
         self.rotation * vector_in_b
     }
 
+    /// Maps a point from A's frame into B's.
+    #[inline]
+    pub fn inverse_transform_point(&self, point_in_a: DVec3) -> DVec3 {
+        self.inverse_transform_vector(point_in_a - self.translation)
+    }
+
     /// Maps a direction from A's frame into B's.
     #[inline]
     pub fn inverse_transform_vector(&self, vector_in_a: DVec3) -> DVec3 {
@@ -300,6 +306,7 @@ mod tests {
         let pose = some_pose();
         let p = DVec3::new(0.7, 5.0, -2.5);
         assert!((pose.inverse().transform_point(pose.transform_point(p)) - p).length() < 1e-14);
+        assert!((pose.inverse_transform_point(pose.transform_point(p)) - p).length() < 1e-14);
         assert!((pose.inverse_transform_vector(pose.transform_vector(p)) - p).length() < 1e-14);
         assert!((pose.rotation_matrix() * p + pose.translation() - pose.transform_point(p)).length() < 1e-14);
     }

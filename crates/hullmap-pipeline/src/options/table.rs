@@ -268,7 +268,7 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         syntax: Words(&["relative", "name", "none"]),
         default: "relative",
         value_name: "relative|name|none",
-        help: "Path of the mesh in the record of a pack: relative to the pack, only its name, or nothing",
+        help: "Path of the mesh in the record of a pack: relative to the pack (if both lie below the folder where bake starts), only its name, or nothing",
         section: Section::Files,
         is_advanced: true,
         record: Record::Never,

@@ -78,7 +78,7 @@ pub enum InvalidPack {
 
 /// A pack has no hull of this index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("hull index {index} is out of range: the pack has {hull_count} hulls, counted from 0")]
+#[error("hull index {index} is out of range: the pack has {hull_count}, counted from 0")]
 pub struct NoSuchHull {
     /// Requested index.
     pub index: usize,

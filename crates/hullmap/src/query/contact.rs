@@ -28,7 +28,7 @@ use crate::solver::{Cache, Contact, Settings, queries};
 /// Two shapes: 1 to 4 support calls for most separated pairs, 10 to 40 for most that overlap;
 /// bounded by `settings`. Rounded shapes cost up to three distance queries of their cores, and a
 /// contact query if the cores overlap. Parts: as [`contacts`]. Half-space: one support query for
-/// each part that may be the lowest. No allocation.
+/// each part that may be the lowest. Allocation: see [`Cache`].
 ///
 /// # Reference
 /// Kenwright, Algorithm 1 and Listing 2; van den Bergen 2001 for the depth.
@@ -73,7 +73,7 @@ where
 ///
 /// # Complexity
 /// All pairs of overlapping boxes, and one contact query for each pair of parts in overlapping
-/// leaves: G H of them if all overlap, for geometries of G and H parts. No allocation.
+/// leaves: G H of them if all overlap, for geometries of G and H parts. Allocation: see [`Cache`].
 ///
 /// # Examples
 /// ```

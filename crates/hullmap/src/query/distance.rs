@@ -24,7 +24,7 @@ use crate::solver::{Cache, Distance, Settings, queries};
 /// Two shapes: 4 to 10 support calls for most pairs; bounded by `settings`. Rounded shapes cost up
 /// to three distance queries of their cores. Parts: branch and bound, starting with the nearest
 /// pair of the last query; at most all pairs of parts. Half-space: one support query for each part
-/// that may be the lowest. No allocation.
+/// that may be the lowest. Allocation: see [`Cache`].
 ///
 /// # Reference
 /// Gilbert, Johnson, Keerthi 1988 (GJK); Kenwright, section 4.6. docs/contributors/intervals.md

@@ -24,7 +24,7 @@ use crate::solver::{Cache, Intersection, queries};
 /// query. Parts: starts with the pair that decided the last query, and ends at the first pair that
 /// overlaps. Geometries that are separated cost all pairs of overlapping boxes, and the pairs of
 /// parts in overlapping leaves. Half-space: one support query for each part that may be the lowest.
-/// No allocation.
+/// Allocation: see [`Cache`].
 ///
 /// # Reference
 /// Kenwright, Algorithm 1.

@@ -27,7 +27,7 @@ use crate::solver::{self, Cache, CastSettings, Impact, Motion};
 /// direction still separates them. 10 to 30 for most hits. Rounded shapes cost 3 to 8 distance
 /// queries of their cores. The number of steps is bounded by `settings`. Parts: branch and bound,
 /// at most one cast for each pair of parts, and usually only the few within the distance covered
-/// until the hit. Half-space: one support query for each part. No allocation.
+/// until the hit. Half-space: one support query for each part. Allocation: see [`Cache`].
 ///
 /// # Reference
 /// van den Bergen 2004; Snethen, "XenoCollide". docs/contributors/intervals.md proves the interval.
@@ -78,7 +78,7 @@ where
 /// Two shapes: 2 to 8 distance queries for most pairs, and about four times as many support
 /// queries; bounded by `settings`. Parts: branch and bound, usually only searches for the few pairs
 /// that may meet first. Half-space: 2 to 4 steps for most motions, of up to a dozen support queries
-/// each. No allocation.
+/// each. Allocation: see [`Cache`].
 ///
 /// # Reference
 /// Mirtich 1996 (conservative advancement). docs/contributors/intervals.md proves the interval.
@@ -128,7 +128,7 @@ where
 ///
 /// # Complexity
 /// The same as for [`cast_motion`](cast_motion()); twice as much for a free motion if
-/// [`share`](ClearSettings::share) is not 0. No allocation.
+/// [`share`](ClearSettings::share) is not 0. Allocation: see [`Cache`].
 ///
 /// # Reference
 /// Schwarzer, Saha, Latombe, "Adaptive dynamic collision checking for single and multiple

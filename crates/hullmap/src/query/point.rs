@@ -35,7 +35,7 @@ use crate::solver::{self, Cache, CastSettings, Ray, RayHit, Settings, SignedDist
 /// ```
 /// use hullmap::glam::DVec3;
 /// use hullmap::shapes::Cuboid;
-/// use hullmap::{CastSettings, Ray, Status, ray};
+/// use hullmap::{CastSettings, Pose, Ray, ray};
 ///
 /// let cube = Cuboid::new(DVec3::ONE)?;
 /// let down = Ray::new(DVec3::new(0.2, 0.3, 5.0), DVec3::new(0.0, 0.0, -2.0))?;
@@ -45,8 +45,12 @@ use crate::solver::{self, Cache, CastSettings, Ray, RayHit, Settings, SignedDist
 /// assert!(hit.point.distance(DVec3::new(0.2, 0.3, 1.0)) < 1e-9);
 /// assert!(hit.normal.distance(DVec3::Z) < 1e-9);
 ///
-/// let up = Ray::new(DVec3::new(0.2, 0.3, 5.0), DVec3::Z)?;
-/// assert_eq!(ray(&cube, &up, &CastSettings::default()).status, Status::Separated);
+/// // A ray in the world, at a shape with a pose in the world:
+/// let placed = Pose::from_translation(DVec3::new(7.0, 0.0, 0.0))?;
+/// let [origin, direction] = [DVec3::new(0.0, 0.3, 0.2), DVec3::X];
+/// let own = Ray::new(placed.inverse_transform_point(origin), placed.inverse_transform_vector(direction))?;
+/// let hit = ray(&cube, &own, &CastSettings::default());
+/// assert!(placed.transform_point(hit.point).distance(DVec3::new(6.0, 0.3, 0.2)) < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[inline]

@@ -246,7 +246,7 @@ fn no_mass(report: &PackDescription, hull: &HullDescription) -> &'static str {
     let is_only_mesh = report.hulls.iter().filter(|hull| hull.part == 0).count() == 1;
     let is_closed = hull.solid == Some(SolidKind::Watertight.as_str());
     if reversed.peek().is_none() && !is_closed {
-        "the mesh encloses no volume"
+        "the mesh is not watertight"
     } else if is_closed || is_only_mesh || reversed.any(|warning| warning.starts_with(&format!("{}: ", hull.name))) {
         "some triangles are reversed"
     } else {

@@ -36,7 +36,7 @@ use hullmap_robot::{
 
 use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs, reason_of_robots};
 use crate::interrupt;
-use crate::rows::run_jobs;
+use crate::rows::{Notes, run_jobs};
 use crate::terminal::Output;
 use choice::{Choice, Choices, Chooser};
 use hullmap_pipeline::baker::bake_pack;
@@ -110,9 +110,11 @@ pub fn run(args: &RobotArgs, out: &mut Output) -> Result<Exit, Failure> {
             }
         }
         row.millis += millis(start);
-        row.print_messages(args.run.quiet);
         rows.push(row);
     }
+    let changed = rows.iter().filter(|row| row.status != Status::Fresh).map(|row| (&*row.file, &*row.notes));
+    let mut notes = Notes::new(changed, &args.run);
+    rows.iter().for_each(|row| row.print_messages(&mut notes, args.run.quiet));
     let written = match (args.run.json, args.run.quiet) {
         (true, _) => rows.iter().try_for_each(|row| out.json(row)).map_err(Failure::from),
         (false, true) => Ok(()),
@@ -228,7 +230,10 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
     let Robot { description, target, choices, inline, .. } = robot;
     for (own, _) in baked {
         row.baked += usize::from(own.status == build_rows::Status::Baked);
-        row.notes.extend(own.notes.iter().map(|note| format!("{}: {note}", shown(Path::new(&own.source)))));
+        // A warning says why a mesh is one hull although parts are wanted.
+        let is_news = |note: &&String| args.options.0.get("decompose").is_none() || !note.ends_with("use --decompose");
+        let notes = own.notes.iter().filter(is_news);
+        row.notes.extend(notes.map(|note| format!("{}: {note}", shown(Path::new(&own.source)))));
         row.warnings.extend(own.warnings.iter().map(|warning| format!("{}: {warning}", shown(Path::new(&own.source)))));
     }
     let states: Vec<State> = inline.iter().map(OutputFile::state).collect::<Result<_, _>>()?;
@@ -291,7 +296,7 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
     let unused = files::left_over(&target.meshes, &used(&description, &outputs));
     if !unused.is_empty() && description.mesh_folder(&target.folder).is_none() {
         let names = listed(unused.iter().map(|path| shown(path)));
-        row.notes.push(format!("hulls of earlier runs are not in use: {names}; remove them"));
+        row.warnings.push(format!("{}: hulls of earlier runs are not in use: {names}; remove them", row.file));
     }
     Ok(exit)
 }
@@ -349,7 +354,7 @@ fn exclude(
     row: &mut Row,
 ) -> Result<Option<OutputFile>, Failure> {
     row.excluded_pairs = Some(pairs.excluded.iter().map(|pair| ExcludedPair::new(pair, description)).collect());
-    row.notes.push(format!("{} pairs of links are excluded. {}", pairs.excluded.len(), pairs.in_words()));
+    row.exclusions = Some(format!("excluded pairs of links: {}. {}", pairs.excluded.len(), pairs.in_words()));
     if description.format != Format::Urdf {
         return Ok(None);
     }

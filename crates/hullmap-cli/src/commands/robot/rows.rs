@@ -2,6 +2,7 @@ use hullmap_report::robot::Excluded;
 use hullmap_robot::Description;
 use serde::Serialize;
 
+use crate::rows::Notes;
 use crate::table::{Align, Table, or_dash};
 use crate::terminal::{self, Output};
 use hullmap_pipeline::outcome::Failure;
@@ -33,6 +34,9 @@ pub struct Row {
     pub collisions: Vec<Collision>,
     /// Pairs of links whose contacts are excluded, with `--exclude-pairs`.
     pub excluded_pairs: Option<Vec<ExcludedPair>>,
+    /// The number of these pairs, and what their reasons mean.
+    #[serde(skip)]
+    pub exclusions: Option<String>,
     /// Pairs and geometry that are not tested, even without `--exclude-pairs`; `None` if the
     /// collisions are not known.
     pub skipped: Option<Vec<SkippedRow>>,
@@ -97,6 +101,7 @@ impl Row {
             baked: 0,
             collisions: Vec::new(),
             excluded_pairs: None,
+            exclusions: None,
             skipped: None,
             notes: Vec::new(),
             warnings: Vec::new(),
@@ -105,10 +110,9 @@ impl Row {
         }
     }
 
-    pub fn print_messages(&self, is_quiet: bool) {
-        for note in self.notes.iter().filter(|_| !is_quiet) {
-            terminal::note(format_args!("{}: {note}", self.file));
-        }
+    /// Prints its messages, after the notes: those of all rows are `notes`.
+    pub fn print_messages(&self, notes: &mut Notes, is_quiet: bool) {
+        notes.print(&self.file, &self.notes);
         for warning in self.warnings.iter().filter(|_| !is_quiet) {
             terminal::warning(warning);
         }
@@ -166,8 +170,8 @@ impl Row {
             count("kept"),
             self.baked
         ))?;
-        if let Some(reason) = &self.reason {
-            out.line(format_args!("  {reason}"))?;
+        for line in self.reason.iter().chain(&self.exclusions) {
+            out.line(format_args!("  {line}"))?;
         }
         Ok(())
     }

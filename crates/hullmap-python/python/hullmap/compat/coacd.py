@@ -20,7 +20,7 @@ import inspect
 import logging
 import math
 import warnings
-from typing import Dict, List, Mapping, Set
+from typing import Dict, List, Mapping, Optional, Set
 
 import numpy as np
 import numpy.typing as npt
@@ -28,6 +28,7 @@ import numpy.typing as npt
 from .._arrays import floats
 from .._bake import bake
 from .._hullmap import ArrayError, BakeError, BakeWarning
+from .._shapes import Pack
 
 _LOG = logging.getLogger(__name__)
 
@@ -109,8 +110,9 @@ def run_coacd(
       `bake`'s ``max_error``: a proven bound, and not an estimate from samples. So the default of 0.05 is
       2.5 % of the longest side.
     - ``real_metric=True``: ``threshold`` is a length in the unit of the mesh.
-    - ``max_convex_hull``: the maximum number of parts; -1 for no maximum. As in CoACD, the bound of
-      ``threshold`` may then be exceeded. It also applies if ``merge`` is off.
+    - ``max_convex_hull``: the maximum number of parts; -1 for no maximum. As in CoACD, there are as many parts as
+      ``threshold`` needs. If these are more than the maximum, ``threshold`` is exceeded, by as little as the
+      search finds. It also applies if ``merge`` is off.
     - ``decimate`` and ``max_ch_vertex``: with ``decimate``, parts have at most ``max_ch_vertex`` vertices,
       at least 4. They still contain the surface. Without it, the limit is 64, the default of `bake`, where
       CoACD has none.
@@ -143,19 +145,25 @@ def run_coacd(
     points = floats("vertices", mesh.vertices)
     side = float(np.ptp(points, axis=0).max()) if points.ndim == 2 and len(points) else 0.0
     bound = threshold if real_metric else threshold * side / 2
-    pack = bake(
-        points,
-        mesh.indices,
-        name="mesh",
-        index="none",
-        # Positions relative to the centre lose fewer digits.
-        recentre=True,
-        decompose=True,
-        # A mesh of one point has no side; its hull is itself.
-        max_error=bound if bound > 0 else None,
-        max_parts=int(max_convex_hull) if max_convex_hull > 0 else None,
-        max_vertices=int(max_ch_vertex) if decimate else None,
-    )
+
+    def parts_of(most: Optional[int]) -> Pack:
+        return bake(
+            points,
+            mesh.indices,
+            name="mesh",
+            index="none",
+            # Positions relative to the centre lose fewer digits.
+            recentre=True,
+            decompose=True,
+            # A mesh of one point has no side; its hull is itself.
+            max_error=bound if bound > 0 else None,
+            max_parts=most,
+            max_vertices=int(max_ch_vertex) if decimate else None,
+        )
+
+    pack = parts_of(None)
+    if 0 < max_convex_hull < len(pack):
+        pack = parts_of(int(max_convex_hull))
     if decimate and len(pack) == 1 and len(pack[0]) > max_ch_vertex:
         # A convex mesh is not decomposed, and its hull is exact.
         pack = bake(points, mesh.indices, name="mesh", index="none", recentre=True, max_vertices=int(max_ch_vertex))
