@@ -722,8 +722,8 @@ typedef struct {
     double depth_lower;
     // Upper bound of the penetration depth, with allowance for rounding error.
     double depth_upper;
-    // Unit vector from A to B. A separating axis if two convex shapes are separated. NaN, as the
-    // points, if parts are: they have no common one.
+    // Unit vector from A to B. If two convex shapes are separated, a separating axis. If parts are
+    // separated, the normal and the points are NaN: one axis may not separate them all.
     HullmapVec3 normal;
     // Witness point: the point of A that is deepest in B. If the shapes are separated, some point
     // of A; hullmap_distance() computes the closest one.
@@ -1509,8 +1509,10 @@ HullmapResult hullmap_ray_derivatives(const HullmapShape *shape,
                                       HullmapDerivatives *derivatives);
 
 // Makes a manifold without points, for one ordered pair of shapes. `max_pairs` is the maximum
-// number of pairs of hulls of two compounds that may touch at the same time; for convex shapes,
-// pass 1. At most 65,536. About 1 KB for each of them, and 5 KB more once compounds are updated.
+// number of pairs of parts, of triangles of a level or of cells of a terrain that may touch at the
+// same time. For two convex shapes, pass 1; for a body on a level, 32 or more. If more touch, the
+// earlier pairs stay, and HullmapManifoldPoints.dropped counts the others: a body may then sink
+// in. At most 65,536. About 1 KB for each of them, and 5 KB more once compounds are updated.
 HullmapResult hullmap_manifold_new(uint32_t max_pairs,
                                    HullmapManifold **manifold);
 

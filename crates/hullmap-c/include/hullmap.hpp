@@ -262,7 +262,7 @@ public:
     static Shape triangle(Vec3 a, Vec3 b, Vec3 c) {
         return make([&](auto out) { return hullmap_shape_triangle(a, b, c, out); });
     }
-    // Always the first shape of a pair.
+    // The points p with dot(normal, p) <= offset. Two half-spaces have no query.
     static Shape half_space(Vec3 normal, double offset) {
         return make([&](auto out) { return hullmap_shape_half_space(normal, offset, out); });
     }
@@ -405,8 +405,23 @@ inline Vec3 cross(Vec3 a, Vec3 b) noexcept {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 inline double length(Vec3 v) noexcept { return std::sqrt(dot(v, v)); }
+inline Vec3 turned(const Quat &q, Vec3 v) noexcept {
+    Vec3 u{q.x, q.y, q.z}, t = 2.0 * cross(u, v);
+    return v + q.w * t + cross(u, t);
+}
 
 }  // namespace vectors
+
+// The direction and the point of an outer frame in the frame that has this pose there: of a ray in the
+// world, in the frame of a shape.
+inline Vec3 direction_in(const Pose &pose, Vec3 direction) noexcept {
+    const Quat &q = pose.rotation;
+    return vectors::turned({-q.x, -q.y, -q.z, q.w}, direction);
+}
+inline Vec3 point_in(const Pose &pose, Vec3 point) noexcept {
+    using namespace vectors;
+    return direction_in(pose, point - pose.translation);
+}
 
 // A pose moved by a translation, and turned about its own origin by a rotation vector in radians.
 // Both are in the outer frame: velocity times step, and angular velocity times step. The rotation of
@@ -422,11 +437,21 @@ inline Pose moved(const Pose &pose, Vec3 translation, Vec3 rotation) {
     return {pose.translation + translation, {v.x / norm, v.y / norm, v.z / norm, w / norm}};
 }
 
-// Contact points of one pair, kept from step to step. Iterate over it to read and write them.
+// Contact points of one pair, kept from step to step. Iterate over it to read and write them. max_pairs
+// is for parts, triangles of a level and cells of a terrain that touch at the same time, 1 KB for each;
+// ManifoldPoints::dropped counts those for which there was no room. Convex shapes need 1.
 class Manifold {
 public:
-    explicit Manifold(std::uint32_t max_pairs = 1)
+    explicit Manifold(std::uint32_t max_pairs = 32)
         : handle_(detail::made<Handle>([&](auto out) { return hullmap_manifold_new(max_pairs, out); })) {}
+    // One that was moved from has no points.
+    Manifold(Manifold &&other) noexcept
+        : handle_(std::move(other.handle_)), points_(std::exchange(other.points_, ManifoldPoints{})) {}
+    Manifold &operator=(Manifold &&other) noexcept {
+        handle_ = std::move(other.handle_);
+        points_ = std::exchange(other.points_, ManifoldPoints{});
+        return *this;
+    }
 
     const ManifoldPoints &update(const Shape &a, const Shape &b, const Pose &b_in_a,
                                  const ManifoldSettings *settings = nullptr) {

@@ -192,9 +192,11 @@ fn typescript(header: &str) -> String {
     for (name, _) in WORDS.iter().filter(|(_, is_used)| *is_used) {
         let item = Item::of_words(header, name);
         let prefix = format!("HULLMAP_{}_", name.to_uppercase());
-        let words = item.fields.iter().map(|field| format!("\"{}\"", field.name.replace(&prefix, "").to_lowercase()));
-        let words = words.collect::<Vec<_>>().join(" | ");
-        write!(text, "\n{}export type {name} =\n    {words};\n", comment(&item.comment, "")).unwrap();
+        let word = |field: &Field| {
+            format!("\n{}    | \"{}\"", comment(&field.comment, "    "), field.name.replace(&prefix, "").to_lowercase())
+        };
+        let words: String = item.fields.iter().map(word).collect();
+        write!(text, "\n{}export type {name} ={words};\n", comment(&item.comment, "")).unwrap();
     }
     for (name, many) in ANSWERS.into_iter().filter_map(|(name, many)| Some((name, many?))) {
         let item = Item::of_answer(header, name);

@@ -110,6 +110,9 @@ typedef struct {
     // Inertia tensor of that solid about its centre of mass at density 1, row by row; NaN if the
     // mesh is not closed.
     double inertia[9];
+    // The solid that the parts were measured against: 1 if the mesh is closed, 2 if its holes were
+    // closed, 3 for its walls; 0 without triangles.
+    uint32_t solid;
 } HullmapDecomposeFacts;
 
 // A convex part. The arrays belong to the decomposition.

@@ -14,14 +14,17 @@
 //   m_minimumVolumePercentErrorAllowed
 //                            a share of volume, for which hullmap has no equal. A value p bounds how
 //                            far a part protrudes, by 2 p percent of the mesh's diagonal: V-HACD's
-//                            default of 1 is hullmap's default of 2 %. This bound is proven
+//                            default of 1 is hullmap's default of 2 %. This bound is proven. Values
+//                            below 0.1 count as 0.1
 //   m_asyncACD               as in V-HACD: whether Compute of CreateVHACD_ASYNC returns at once
 //   m_callback               Update is called in the thread that calls Compute, or IsReady if it is
 //                            asynchronous; NotifyVHACDComplete by the thread of the computation
 //   m_logger                 gets the message of a failure, from the thread of the computation
 //   m_resolution, m_maxRecursionDepth, m_minEdgeLength, m_findBestPlane, m_shrinkWrap
 //                            no effect: there are no voxels, and parts fit the surface
-//   m_fillMode               no effect: the holes of a mesh are closed, and what they enclose is filled
+//   m_fillMode               the solid of a mesh: SURFACE_ONLY is its walls; with RAYCAST_FILL, its holes
+//                            are closed, and its inside counts; with FLOOD_FILL, small holes are
+//                            closed, and a mesh with large ones is walls
 //   m_taskRunner             no effect: the library has a pool of threads
 #ifndef HULLMAP_VHACD_HPP
 #define HULLMAP_VHACD_HPP
@@ -32,10 +35,13 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <thread>
 #include <vector>
 
 #include "hullmap_decompose.h"
+
+// A call of Cancel while another thread is in Compute only asks it to end; so does V-HACD's.
 
 namespace VHACD {
 
@@ -156,16 +162,17 @@ protected:
     virtual ~IVHACD() {}
 };
 
-namespace hullmap {
+namespace hullmap_detail {
 
 // One instance: the thread of its computation, and its parts.
 class Decomposer final : public IVHACD {
 public:
     explicit Decomposer(bool is_async) : is_async_(is_async) {}
 
+    // Returns at once while another thread is in a Compute that is not asynchronous.
     void Cancel() override {
-        hullmap_decompose_progress_cancel(progress_);
-        join();
+        ask_to_end();
+        if (is_async_) join();
     }
 
     bool Compute(const float* const points, const uint32_t countPoints, const uint32_t* const triangles,
@@ -188,12 +195,12 @@ public:
     }
 
     void Clean() override {
-        Cancel();
+        ask_to_end();
+        join();
         parts_.clear();
         hullmap_decomposition_free(found_);
         found_ = nullptr;
-        hullmap_decompose_progress_free(progress_);
-        progress_ = nullptr;
+        set_progress(nullptr);
     }
 
     void Release() override { delete this; }
@@ -245,7 +252,7 @@ private:
         params_ = params;
         points_.assign(points, points + size_t{3} * count);
         triangles_.assign(triangles, triangles + size_t{3} * triangle_count);
-        progress_ = hullmap_decompose_progress_new();
+        set_progress(hullmap_decompose_progress_new());
         is_done_.store(false, std::memory_order_release);
         worker_ = std::thread([this] { run(); });
         if (is_async_ && params.m_asyncACD) return true;
@@ -260,7 +267,8 @@ private:
     // The computation, in a thread of its own.
     void run() {
         HullmapDecomposeOptions options = HULLMAP_DECOMPOSE_OPTIONS_DEFAULT;
-        options.max_error_share = 0.02 * params_.m_minimumVolumePercentErrorAllowed;
+        options.max_error_share = 0.02 * std::max(params_.m_minimumVolumePercentErrorAllowed, 0.1);
+        options.solid = params_.m_fillMode == FillMode::SURFACE_ONLY ? 2 : params_.m_fillMode == FillMode::RAYCAST_FILL;
         options.max_vertices = params_.m_maxNumVerticesPerCH;
         decompose(options);
         if (facts_.part_count > params_.m_maxConvexHulls && params_.m_maxConvexHulls > 0) {
@@ -347,25 +355,38 @@ private:
         if (worker_.joinable()) worker_.join();
     }
 
+    void ask_to_end() {
+        const std::lock_guard<std::mutex> lock(guard_);
+        hullmap_decompose_progress_cancel(progress_);
+    }
+
+    void set_progress(HullmapDecomposeProgress* progress) {
+        const std::lock_guard<std::mutex> lock(guard_);
+        hullmap_decompose_progress_free(progress_);
+        progress_ = progress;
+    }
+
     const bool is_async_;
     std::atomic<bool> is_done_{true};
     std::thread worker_;
     Parameters params_;
     std::vector<double> points_;
     std::vector<uint32_t> triangles_;
+    // Held while progress_ is replaced, or used by another thread.
+    std::mutex guard_;
     HullmapDecomposeProgress* progress_ = nullptr;
     HullmapDecomposition* found_ = nullptr;
     HullmapDecomposeFacts facts_ = HullmapDecomposeFacts();
     std::vector<HullmapDecomposePart> parts_;
 };
 
-}  // namespace hullmap
+}  // namespace hullmap_detail
 
 // An instance whose Compute returns when the parts are made.
-inline IVHACD* CreateVHACD() { return new hullmap::Decomposer(false); }
+inline IVHACD* CreateVHACD() { return new hullmap_detail::Decomposer(false); }
 
 // An instance whose Compute returns at once; IsReady says when the parts are made.
-inline IVHACD* CreateVHACD_ASYNC() { return new hullmap::Decomposer(true); }
+inline IVHACD* CreateVHACD_ASYNC() { return new hullmap_detail::Decomposer(true); }
 
 }  // namespace VHACD
 

@@ -117,6 +117,7 @@ fn measured(mesh: &PointSet, cover: &Cover, hulls: &[Hull], deadline: Option<Dea
         volume: mass.map_or(f64::NAN, |mass| mass.volume),
         center: mass.map_or([f64::NAN; 3], |mass| moved(mass.centroid, mesh.origin)),
         inertia: mass.map_or([f64::NAN; 9], |mass| inertia(&mass)),
+        solid: solid.as_ref().map_or(0, |solid| solid.kind().code()),
     };
     (parts, facts)
 }

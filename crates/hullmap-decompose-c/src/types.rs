@@ -98,4 +98,7 @@ pub struct Facts {
     /// Inertia tensor of that solid about its centre of mass at density 1, row by row; NaN if the
     /// mesh is not closed.
     pub inertia: [f64; 9],
+    /// The solid that the parts were measured against: 1 if the mesh is closed, 2 if its holes were
+    /// closed, 3 for its walls; 0 without triangles.
+    pub solid: u32,
 }

@@ -55,7 +55,7 @@ pub enum Fault {
     #[error("the file is UTF-16 text; expected ASCII, UTF-8 or binary: save it again as UTF-8")]
     Utf16,
     #[error(
-        "no `v x y z` line found, but a hull requires at least one point: check that this is an OBJ, glTF, GLB, STL, PLY, COLLADA or MSH file and that the export finished"
+        "no `v x y z` line found, but a hull requires at least one point: check that this is an OBJ, glTF, GLB, STL, PLY, COLLADA or MSH file and that the export finished; a grid of heights requires --terrain, and a baked file is no source"
     )]
     NoVertices,
     #[error("the file has more than {} vertices; split it", u32::MAX - 1)]

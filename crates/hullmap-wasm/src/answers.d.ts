@@ -5,11 +5,44 @@
  * the true value whatever the status is.
  */
 export type Status =
-    "exact" | "within" | "touching" | "overlapping" | "separated" | "iteration_limit" | "stalled";
+    /** The interval is as narrow as rounding error allows. */
+    | "exact"
+    /** The interval is within `tolerance`. */
+    | "within"
+    /**
+     * The shapes touch: rounding error leaves open whether they overlap. A gap or a penetration is
+     * at most 64 rounding errors: docs/contributors/intervals.md, section 6, states them. For baked
+     * hulls near the origin, that is 1e-10 of the sum of their outer radii.
+     */
+    | "touching"
+    /** The shapes overlap: their distance is 0, or a ray or a motion starts so. */
+    | "overlapping"
+    /** Certainly no contact, or no hit of a ray or a motion: a separating plane proves it. */
+    | "separated"
+    /**
+     * The iteration limit was reached; the interval is wider than the tolerance, or the witness
+     * points are less accurate than the interval.
+     */
+    | "iteration_limit"
+    /**
+     * Rounding error stopped all progress; the interval is wider than the tolerance, or the witness
+     * points are less accurate than the interval.
+     */
+    | "stalled";
 
 /** Whether two shapes share a point. */
 export type Overlap =
-    "separated" | "overlapping" | "touching" | "undecided";
+    /**
+     * They share no point: a separating plane proves it. Its number is 0, so in C, any other status
+     * is a hit.
+     */
+    | "separated"
+    /** Their interiors share points. */
+    | "overlapping"
+    /** They touch, as `touching` defines it. */
+    | "touching"
+    /** Not known: an iteration limit was reached, or rounding error stopped all progress. */
+    | "undecided";
 
 /**
  * Answers of many queries, as one array for each field: three numbers for a vector, two indices for
@@ -95,8 +128,8 @@ export interface Contact {
     /** Upper bound of the penetration depth, with allowance for rounding error. */
     depthUpper: number;
     /**
-     * Unit vector from A to B. A separating axis if two convex shapes are separated. NaN, as the
-     * points, if parts are: they have no common one.
+     * Unit vector from A to B. If two convex shapes are separated, a separating axis. If parts are
+     * separated, the normal and the points are NaN: one axis may not separate them all.
      */
     normal: Float64Array;
     /**

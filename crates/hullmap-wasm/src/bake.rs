@@ -9,7 +9,7 @@ use hullmap_pipeline::{BakedPack, InMemoryError, Progress, bake_arrays, bake_sou
 use js_sys::{Function, JSON};
 use wasm_bindgen::prelude::*;
 
-use crate::input::{error, rows_of};
+use crate::input::{bytes_of, error, rows_of};
 use crate::options::{BakeOptions, Options, in_javascript};
 
 /// A baked mesh: the pack, the mesh to draw, and the findings of the import and the bake.
@@ -59,8 +59,9 @@ impl Baked {
 /// `file` is the name of the file, whose extension selects the format. The pack has the same bytes
 /// as the pack that `bake build` saves in the folder of the mesh, with the same options.
 ///
-/// `onProgress` is called with the share that is done, from 0 to 1, at each hundredth. If it
-/// returns `false` or throws, the bake ends with an error.
+/// `onProgress` is called with the share that is done, from 0 to 1, at most at each hundredth, and a
+/// few seconds apart in long searches. If it returns `false` or throws, the bake then ends with an
+/// error whose message ends with `cancelled`.
 ///
 /// # Errors
 /// An option is wrong, the file is faulty, or a hull cannot be built. The message names the fault
@@ -68,7 +69,7 @@ impl Baked {
 #[wasm_bindgen]
 pub fn bake(
     file: &str,
-    bytes: Vec<u8>,
+    #[wasm_bindgen(unchecked_param_type = "Uint8Array | ArrayBuffer")] bytes: &JsValue,
     #[wasm_bindgen(unchecked_optional_param_type = "BakeOptions | null")] options: Option<BakeOptions>,
     #[wasm_bindgen(js_name = onProgress, unchecked_optional_param_type = "OnProgress | null")] listener: Option<
         Function,
@@ -79,7 +80,7 @@ pub fn bake(
         return Err(error("option name: the hulls of a file have its names; leave out the option"));
     }
     let progress = progress_for(listener);
-    baked(bake_source(Path::new(file), &SourceFile::alone(bytes), &options.pairs(), progress.whole()))
+    baked(bake_source(Path::new(file), &SourceFile::alone(bytes_of(bytes)?), &options.pairs(), progress.whole()))
 }
 
 /// Bakes a mesh from arrays, for instance of a geometry of three.js.
@@ -149,11 +150,11 @@ impl BakedLevel {
 #[wasm_bindgen(js_name = bakeLevel)]
 pub fn bake_level(
     file: &str,
-    bytes: Vec<u8>,
+    #[wasm_bindgen(unchecked_param_type = "Uint8Array | ArrayBuffer")] bytes: &JsValue,
     #[wasm_bindgen(unchecked_optional_param_type = "BakeOptions | null")] options: Option<BakeOptions>,
 ) -> Result<BakedLevel, JsError> {
     let options = Options::read(options.as_ref())?;
-    let baked = hullmap_pipeline::bake_level(Path::new(file), &SourceFile::alone(bytes), &options.pairs());
+    let baked = hullmap_pipeline::bake_level(Path::new(file), &SourceFile::alone(bytes_of(bytes)?), &options.pairs());
     baked.map(BakedLevel).map_err(fault)
 }
 

@@ -1,6 +1,19 @@
 //! Arrays from JavaScript, and the errors about them.
 
-use wasm_bindgen::JsError;
+use js_sys::{Reflect, Uint8Array};
+use wasm_bindgen::{JsError, JsValue};
+
+/// The bytes of a `Uint8Array` or an `ArrayBuffer`, also of another realm.
+///
+/// # Errors
+/// Anything else.
+pub fn bytes_of(value: &JsValue) -> Result<Vec<u8>, JsError> {
+    let number = |name: &str| Reflect::get(value, &name.into()).ok().and_then(|own| own.as_f64());
+    match (number("BYTES_PER_ELEMENT"), number("byteLength")) {
+        (Some(1.0), _) | (None, Some(_)) => Ok(Uint8Array::new(value).to_vec()),
+        _ => Err(error("expected the bytes of a file: a Uint8Array or an ArrayBuffer")),
+    }
+}
 
 /// The rows of an array that has three numbers each.
 ///

@@ -8,7 +8,7 @@ use hullmap::{Cache, CastSettings, EdgeClass, HeightField, Motion, SharedGeometr
 use js_sys::{Float64Array, Uint32Array};
 use wasm_bindgen::prelude::*;
 
-use crate::input::error;
+use crate::input::{bytes_of, error};
 use crate::object::{Plain, vector_from};
 use crate::pair::{pose_of, query};
 use crate::shape::{Body, Shape, geometry_of};
@@ -88,7 +88,10 @@ impl Level {
     /// # Errors
     /// The bytes are no such file, or are damaged. The message states the remedy.
     #[wasm_bindgen(constructor)]
-    pub fn new(bytes: &[u8]) -> Result<Level, JsError> {
+    pub fn new(
+        #[wasm_bindgen(unchecked_param_type = "Uint8Array | ArrayBuffer")] bytes: &JsValue,
+    ) -> Result<Level, JsError> {
+        let bytes = &*bytes_of(bytes)?;
         let sheet = if bytes.starts_with(FIELD) {
             SharedSheet::Field(Arc::new(HeightField::from_bytes(bytes).map_err(error)?))
         } else {

@@ -7,7 +7,7 @@ use hullmap::glam::Vec3;
 use js_sys::Float64Array;
 use wasm_bindgen::prelude::*;
 
-use crate::input::{error, rows_of};
+use crate::input::{bytes_of, error, rows_of};
 use crate::object::{Plain, vector_of};
 use crate::shape::Shape;
 
@@ -99,8 +99,10 @@ impl Pack {
     /// # Errors
     /// The bytes are not a pack, or are damaged. The message states the remedy.
     #[wasm_bindgen(constructor)]
-    pub fn new(bytes: &[u8]) -> Result<Pack, JsError> {
-        hullmap::Pack::from_bytes(bytes).map(|pack| Self(Arc::new(pack))).map_err(error)
+    pub fn new(
+        #[wasm_bindgen(unchecked_param_type = "Uint8Array | ArrayBuffer")] bytes: &JsValue,
+    ) -> Result<Pack, JsError> {
+        hullmap::Pack::from_bytes(&bytes_of(bytes)?).map(|pack| Self(Arc::new(pack))).map_err(error)
     }
 
     /// Number of hulls.

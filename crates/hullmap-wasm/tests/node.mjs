@@ -268,6 +268,12 @@ for (const [empty, full] of [[stacked.contacts([]), stacked.contacts(at(0, 0, 0)
 // Errors are sentences that name the fault.
 const fails = (run, text) => assert.throws(run, (error) => error instanceof Error && error.message.includes(text));
 fails(() => new Pack(new Uint8Array(10)), "");
+const copied = baked.pack.buffer;
+assert.equal(new Pack(copied).hullCount, 1);
+for (const wrong of ["text", {}, null, undefined, new Float64Array(9), 7]) {
+  fails(() => new Pack(wrong), "expected the bytes of a file");
+  fails(() => bake("a.obj", wrong), "expected the bytes of a file");
+}
 fails(() => gaussMap(baked.pack, 1, 64), "there is no hull 1: the pack has 1");
 const damaged = baked.pack;
 damaged[200] ^= 1;

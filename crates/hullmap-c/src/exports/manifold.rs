@@ -7,8 +7,10 @@ use crate::query;
 use crate::types::{ManifoldPoints, ManifoldSettings, Pose, Result};
 
 /// Makes a manifold without points, for one ordered pair of shapes. `max_pairs` is the maximum
-/// number of pairs of hulls of two compounds that may touch at the same time; for convex shapes,
-/// pass 1. At most 65,536. About 1 KB for each of them, and 5 KB more once compounds are updated.
+/// number of pairs of parts, of triangles of a level or of cells of a terrain that may touch at the
+/// same time. For two convex shapes, pass 1; for a body on a level, 32 or more. If more touch, the
+/// earlier pairs stay, and HullmapManifoldPoints.dropped counts the others: a body may then sink
+/// in. At most 65,536. About 1 KB for each of them, and 5 KB more once compounds are updated.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hullmap_manifold_new(max_pairs: u32, manifold: *mut *mut Manifold) -> Result {
     call(|| {

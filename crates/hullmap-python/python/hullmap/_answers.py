@@ -153,8 +153,8 @@ class Contact(_Answer):
     depth_upper: Floats
     """Upper bound of the penetration depth, with allowance for rounding error."""
     normal: Floats
-    """Unit vector from A to B. A separating axis if two convex shapes are separated. NaN, as the
-    points, if parts are: they have no common one. (..., 3)"""
+    """Unit vector from A to B. If two convex shapes are separated, a separating axis. If parts are
+    separated, the normal and the points are NaN: one axis may not separate them all. (..., 3)"""
     point_a: Floats
     """Witness point: the point of A that is deepest in B. If the shapes are separated, some point of
     A; `distance` computes the closest one. (..., 3)"""

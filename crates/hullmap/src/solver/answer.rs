@@ -32,8 +32,8 @@ pub struct Contact {
     pub depth_lower: f64,
     /// Upper bound of the penetration depth, with allowance for rounding error.
     pub depth_upper: f64,
-    /// Unit vector from A to B. A separating axis if two convex shapes are separated. NaN, as the
-    /// points, if parts are: they have no common one.
+    /// Unit vector from A to B. If two convex shapes are separated, a separating axis. If parts are
+    /// separated, the normal and the points are NaN: one axis may not separate them all.
     pub normal: DVec3,
     /// Witness point: the point of A that is deepest in B. If the shapes are separated, some point
     /// of A; [`distance`](crate::distance()) computes the closest one.
