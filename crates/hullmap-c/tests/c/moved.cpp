@@ -1,4 +1,4 @@
-// hullmap::moved and hullmap::vectors, compared with what the library does with the poses.
+// hullmap::moved, frames and hullmap::vectors, compared with what the library does with the poses.
 #include <cmath>
 #include <cstdio>
 #include <hullmap.hpp>
@@ -31,6 +31,9 @@ int main() {
     ahead.translation = {2.0, 2.0, 3.0};
     expect(near(hullmap::relative(turned, ahead).translation, {0.0, -1.0, 0.0}), "sense of rotation");
 
+    expect(near(hullmap::point_in(turned, {2.0, 2.0, 3.0}), {0.0, -1.0, 0.0}), "a point in a frame");
+    expect(near(hullmap::direction_in(turned, {1.0, 0.0, 0.0}), {0.0, -1.0, 0.0}), "a direction in a frame");
+
     // Then around x of the world, and not of the body.
     auto brick = hullmap::Shape::cuboid({3.0, 2.0, 1.0});
     expect(near(brick.bounds(hullmap::moved(origin, {}, {0.0, 0.0, right})).max, {2.0, 3.0, 1.0}), "around z");
@@ -57,6 +60,12 @@ int main() {
     sum += 2.0 * Vec3{1.0, 0.0, -1.0};
     expect(near(sum, {3.0, 2.0, 1.0}), "+=");
     expect(near(cross({1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}), {0.0, 0.0, 1.0}), "cross");
+
+    hullmap::Manifold first(1), second(1);
+    first.update(brick, brick, {{0.0, 0.0, 1.999}, {0.0, 0.0, 0.0, 1.0}});
+    expect(first.size() == 4, "a manifold has points");
+    second = std::move(first);
+    expect(second.size() == 4 && first.size() == 0, "one that was moved from has none");
     std::printf("%d checks, %d failures\n", checks, failures);
     return failures == 0 ? 0 : 1;
 }

@@ -114,6 +114,22 @@ int main() {
     interface->Cancel();
     check(interface->IsReady(), "cancelled, or done before");
     interface->Release();
+
+    // Another thread cancels a Compute that is not asynchronous, before, while and after it runs.
+    interface = VHACD::CreateVHACD();
+    for (int round = 0; round < 20; ++round) {
+        std::atomic<bool> is_over{false};
+        std::thread other([&] {
+            while (!is_over.load()) interface->Cancel();
+        });
+        interface->Compute(points.data(), count, triangles.data(), triangle_count, parameters);
+        is_over = true;
+        other.join();
+    }
+    parameters.m_fillMode = VHACD::FillMode::SURFACE_ONLY;
+    check(interface->Compute(points.data(), count, triangles.data(), triangle_count, parameters), "walls");
+    check(interface->GetNConvexHulls() > 2, "walls of boxes are more parts");
+    interface->Release();
     std::printf("%d checks, %d failures\n", checks, failures);
     return failures != 0;
 }
