@@ -74,19 +74,6 @@ pub fn bake_arrays(
 ///
 /// # Errors
 /// See [`InMemoryError`].
-///
-/// # Examples
-/// In a build script:
-/// ```no_run
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let progress = hullmap_pipeline::Progress::default();
-/// let options = [("decompose", "true"), ("max_parts", "8")];
-/// let baked = hullmap_pipeline::bake_file("assets/chair.obj".as_ref(), &options, progress.whole())?;
-/// std::fs::write(std::path::Path::new(&std::env::var("OUT_DIR")?).join("chair.hullmap"), baked.bytes)?;
-/// println!("cargo::rerun-if-changed=assets/chair.obj");
-/// # Ok(())
-/// # }
-/// ```
 pub fn bake_file(path: &Path, options: &[(&str, &str)], stage: Stage) -> Result<BakedPack, InMemoryError> {
     // Report invalid options before the file is read.
     resolve(options)?;
