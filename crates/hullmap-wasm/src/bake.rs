@@ -59,9 +59,9 @@ impl Baked {
 /// `file` is the name of the file, whose extension selects the format. The pack has the same bytes
 /// as the pack that `bake build` saves in the folder of the mesh, with the same options.
 ///
-/// `onProgress` is called with the share that is done, from 0 to 1, at most at each hundredth, and a
-/// few seconds apart in long searches. If it returns `false` or throws, the bake then ends with an
-/// error whose message ends with `cancelled`.
+/// `onProgress` is called with the share that is done, from 0 to 1, at most at each hundredth, and
+/// a few seconds apart in long searches. If it returns `false` or throws, the bake then ends with
+/// an error whose message ends with `cancelled`.
 ///
 /// # Errors
 /// An option is wrong, the file is faulty, or a hull cannot be built. The message names the fault

@@ -74,8 +74,8 @@ const CACHES: usize = 16;
 /// A pose is seven numbers, `tx ty tz qx qy qz qw`: the translation and the quaternion that map B's
 /// frame into A's. The quaternion is normalised.
 ///
-/// A pair of convex shapes takes about 10 KB of the module's memory, one with parts 300 KB: keep it,
-/// and free it by `free()` when it is done.
+/// A pair with parts takes about 300 KB of the module's memory, others far less: keep it, and free
+/// it by `free()` when it is done.
 #[wasm_bindgen(js_name = Pair)]
 pub struct QueryPair {
     pub(crate) a: SharedGeometry,
@@ -222,8 +222,8 @@ impl QueryPair {
         self.batch(poses, Self::find_distance)
     }
 
-    /// Contact manifold: up to four points for each pair of hulls that overlap, or are closer than 2 %
-    /// of the smaller radius. They are kept from query to query.
+    /// Contact manifold: up to four points for each pair of hulls that overlap or are close, within
+    /// 2 % of the smaller radius. They are kept from query to query.
     ///
     /// # Errors
     /// The pose is not seven finite numbers.

@@ -152,8 +152,8 @@ impl<'a> Search<'a> {
         self.deadline.map(|deadline| deadline.with_reserve(FINISHING))
     }
 
-    /// The fewest parts within a limit of a surface, or of quarters of it: of a smaller one, if they
-    /// are as many.
+    /// The fewest parts within a limit of a surface, or of quarters of it: of a smaller one, if
+    /// they are as many.
     fn plain(&mut self, surfaces: &[Surface], limit: f64) -> Option<Found> {
         let mut best: Option<Found> = None;
         for surface in surfaces {
@@ -177,8 +177,9 @@ impl<'a> Search<'a> {
         mesh_mass(self.mesh).is_none_or(|mass| voids.relative_to(mass.volume).share <= VOIDS)
     }
 
-    /// Parts within a limit. With `most`, `None` with more parts than that before mergers, and parts
-    /// may bridge shells. With a deadline, they are at least as small as halves of the surface.
+    /// Parts within a limit. With `most`, `None` with more parts than that before mergers, and
+    /// parts may bridge shells. With a deadline, they are at least as small as halves of the
+    /// surface.
     fn within(&mut self, surface: &Surface, limit: f64, most: Option<usize>) -> Option<Found> {
         let limit = limit.max(self.least());
         let halved = self.halved(surface);

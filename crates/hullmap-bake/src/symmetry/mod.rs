@@ -17,8 +17,8 @@ use hullmap_geometry::{PointSet, triangle};
 /// Maximum number of parts that are compared with each other where coordinates are rounded.
 const MAX_ROUNDED: usize = 1024;
 
-/// Length across a second mirror, relative to the first, up to which it is not used: most parts of a
-/// plate are their own images about the middle of its thickness.
+/// Length across a second mirror, relative to the first, up to which it is not used: most parts of
+/// a plate are their own images about the middle of its thickness.
 const THIN: f64 = 0.5;
 
 /// Maximum number of triangles whose reflections are compared with the surface.

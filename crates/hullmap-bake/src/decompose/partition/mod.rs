@@ -13,8 +13,8 @@
 //!    at which planes meet belong to a piece, so that parts contain the solid, too.
 //! 4. Where that gives a few parts, also peel the piece, and take the fewer parts.
 //! 5. Merge parts as long as the merged hull is proven, and barely overlaps other parts.
-//! 6. Cut off features of a shell, such as teeth. If that leaves a part, merge these parts, too, and
-//!    take the fewer.
+//! 6. Cut off features of a shell, such as teeth. If that leaves a part, merge these parts, too,
+//!    and take the fewer.
 //!
 //! About a mirror, one half is searched; about two mirrors, a quarter. Parts are then merged across
 //! the mirrors, into parts that both mirror.

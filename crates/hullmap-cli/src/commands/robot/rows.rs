@@ -110,7 +110,7 @@ impl Row {
         }
     }
 
-    /// Prints its messages, after the notes: those of all rows are `notes`.
+    /// Prints its messages. `notes` knows the notes of all rows.
     pub fn print_messages(&self, notes: &mut Notes, is_quiet: bool) {
         notes.print(&self.file, &self.notes);
         for warning in self.warnings.iter().filter(|_| !is_quiet) {
