@@ -60,9 +60,9 @@ pub struct Cli {
 pub enum Command {
     /// Bake meshes into .hullmap packs
     #[command(after_help = "Examples:\n  \
-                      bake build assets --out baked                    (convex hulls)\n  \
-                      bake build chair.glb --out baked --decompose     (convex parts)\n  \
-                      bake build assets --out baked --check            (in CI: exit 1 if a pack is stale)")]
+                      bake build assets --out baked --exclude drafts    (convex hulls)\n  \
+                      bake build chair.glb --out baked --decompose      (convex parts)\n  \
+                      bake build level.obj --out baked --keep-triangles --unit-scale 0.01 --up-axis z-to-y")]
     Build(Box<BuildArgs>),
     /// Decompose a mesh file into a file of convex parts, without a pack
     #[command(after_help = "Examples:\n  \
@@ -546,6 +546,10 @@ pub fn command(program: &str) -> clap::Command {
     let color = color.help("Print in colour: auto, always or never [default: auto]");
     let command =
         Cli::command().arg(color).bin_name(program).mut_subcommand("robot", of_robots).mut_subcommands(with_set);
+    // CI sets variables to nothing where it has no value.
+    let is_empty = |arg: &Arg| arg.get_env().and_then(std::env::var_os).is_some_and(|value| value.is_empty());
+    let without = |arg: Arg| if is_empty(&arg) { arg.env(None::<&str>) } else { arg };
+    let command = command.mut_subcommands(|own| own.mut_args(without).mut_subcommands(|own| own.mut_args(without)));
     let command =
         command.mut_subcommand("decompose", |own| own.mut_arg("decompose_seconds", |arg| arg.conflicts_with("curve")));
     if program == "bake" {
@@ -592,14 +596,18 @@ where
     })
 }
 
-/// The help with every flag, one line each: clap's own `--help` takes three times as many lines.
-fn whole_help(words: &[OsString]) -> Option<clap::Error> {
+/// The command with every flag in its short help.
+pub fn whole(command: clap::Command) -> clap::Command {
     let shown = |arg: Arg| match arg.get_long_help().cloned() {
         Some(help) => arg.help(help).hide_short_help(false),
         None => arg.hide_short_help(false),
     };
-    let whole = |own: clap::Command| own.mut_args(shown);
-    let command = whole(command(&program(words))).mut_subcommands(|own| whole(own).mut_subcommands(whole));
+    command.mut_args(shown).mut_subcommands(whole)
+}
+
+/// The help with every flag, one line each: clap's own `--help` takes three times as many lines.
+fn whole_help(words: &[OsString]) -> Option<clap::Error> {
+    let command = whole(command(&program(words)));
     let short = |word: &OsString| if word == "--help" { OsString::from("-h") } else { word.clone() };
     command.try_get_matches_from(words.iter().map(short)).err()
 }

@@ -104,6 +104,9 @@ pub fn with_tip(error: clap::Error, command: &clap::Command) -> clap::Error {
                 None => None,
             }
         }
+        ErrorKind::MissingRequiredArgument if command.get_name() == "build" => {
+            Some("`bake init` here writes a hullmap.toml; with its `sources` and `output`, none is required".to_owned())
+        }
         _ => None,
     };
     match tip {

@@ -69,7 +69,7 @@ pub fn without_keys(own: &Command) -> Command {
 }
 
 /// Options of `bake decompose`, with the options of parts.
-const OF_DECOMPOSE: [&str; 5] = ["max_error", "max_vertices", "for_engine", "unit_scale", "up_axis"];
+const OF_DECOMPOSE: [&str; 6] = ["max_error", "max_vertices", "for_engine", "split", "unit_scale", "up_axis"];
 
 /// The options of a subcommand as flags.
 #[derive(Clone, Debug)]

@@ -146,7 +146,7 @@ fn with_progress<T: Send>(
 
 fn options(args: &DecomposeArgs) -> BuildOptions {
     let mut layer = args.options.0.clone();
-    for (key, value) in [("split", "object"), ("decompose", "true"), ("index", "none")] {
+    for (key, value) in [("decompose", "true"), ("index", "none")] {
         layer.set(key, value).expect("the table has the value");
     }
     layer.resolve()

@@ -112,7 +112,11 @@ impl Configs {
         for (root, (config, used)) in &self.used {
             let file = config.path.display();
             // A build of part of the folder does not include the other meshes.
-            let is_whole = folders.iter().any(|folder| root.starts_with(folder));
+            let holds = |place: &Path| folders.iter().any(|folder| place.starts_with(folder));
+            let sources = config.sources();
+            let has_sources = !config.sources.is_empty();
+            let is_source = |path: &PathBuf| path.canonicalize().is_ok_and(|path| holds(&path) || path.is_file());
+            let is_whole = holds(root) || has_sources && sources.iter().all(is_source);
             let is_of_links = |rule: &Rule| !rule.links.is_empty();
             let rules = (0..).zip(&config.rules).filter(|(_, rule)| !is_of_links(rule));
             let unused = rules.filter(|(rule, _)| is_whole && !used.contains(rule));

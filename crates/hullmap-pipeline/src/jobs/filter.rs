@@ -21,13 +21,18 @@ impl Filter {
         }
     }
 
-    /// Whether a mesh is baked. `below` is its path relative to the input folder; `None` for a mesh
-    /// that is itself an input, which may have any extension.
+    /// Whether a mesh is baked: no glob of `--exclude` matches it or a folder that it is in. `below`
+    /// is its path relative to the input folder; `None` for a mesh that is itself an input, which may
+    /// have any extension.
     pub fn keeps(&mut self, below: Option<&Path>, mesh: &Path) -> bool {
         let name = Path::new(mesh.file_name().unwrap_or_default());
+        // As typed: folders above an absolute path do not count.
+        let typed = Some(mesh.strip_prefix(".").unwrap_or(mesh)).filter(|mesh| mesh.is_relative());
         let mut is_excluded = false;
         for (glob, has_matched) in &mut self.excluded {
-            let is_match = glob.matches(below, name);
+            let typed = typed.filter(|_| !glob.is_of_names());
+            let is_match =
+                glob.matches(below, name) || below.into_iter().chain(typed).any(|path| glob.matches_within(path));
             *has_matched |= is_match;
             is_excluded |= is_match;
         }
