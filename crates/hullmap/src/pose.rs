@@ -325,7 +325,9 @@ mod tests {
     #[test]
     fn errors_name_the_number_found() {
         let nan = Pose::from_translation(DVec3::new(0.0, f64::NAN, 0.0)).unwrap_err();
-        assert!(nan.to_string().contains("(0, NaN, 0)"), "{nan}");
+        assert!(nan.to_string().contains("(0.0, NaN, 0.0)"), "{nan}");
+        let far = Pose::from_translation(DVec3::new(1e300, 0.0, 0.0)).unwrap_err();
+        assert!(far.to_string().contains("found (1e300, 0.0, 0.0)"), "{far}");
         for far in [1e39, 1e154, -1e308] {
             assert!(Pose::from_translation(DVec3::new(0.0, 0.0, far)).is_err());
         }
