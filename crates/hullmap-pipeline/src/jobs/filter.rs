@@ -21,9 +21,9 @@ impl Filter {
         }
     }
 
-    /// Whether a mesh is baked: no glob of `--exclude` matches it or a folder that it is in. `below`
-    /// is its path relative to the input folder; `None` for a mesh that is itself an input, which may
-    /// have any extension.
+    /// Whether a mesh is baked: no glob of `--exclude` matches it or a folder that it is in.
+    /// `below` is its path relative to the input folder; `None` for a mesh that is itself an
+    /// input, which may have any extension.
     pub fn keeps(&mut self, below: Option<&Path>, mesh: &Path) -> bool {
         let name = Path::new(mesh.file_name().unwrap_or_default());
         // As typed: folders above an absolute path do not count.

@@ -2,7 +2,14 @@
 
 use super::clip::PatchPoint;
 use super::select::SLIGHT;
-use super::{ON_SURFACE, SAME_DEPTH};
+
+/// Depths that differ by less than this count as equal in any case, relative to the smaller shape's
+/// outer radius. Larger than the solver's tolerance on any depth below that radius.
+pub(crate) const SAME_DEPTH: f64 = 1e-4;
+
+/// Maximum distance of a point from a surface, relative to the smaller shape's outer radius, beyond
+/// the rounding error of coordinates: the slack of clipping.
+pub(super) const ON_SURFACE: f64 = 1e-6;
 
 /// Lengths of an update.
 pub(super) struct Lengths {

@@ -54,7 +54,8 @@ use arrayvec::ArrayVec;
 pub(crate) use clip::Body;
 use clip::{FACE, Frame, Part, Patch, PatchPoint, meet, nearest_on};
 use glam::{DVec2, DVec3};
-use lengths::Lengths;
+pub(crate) use lengths::SAME_DEPTH;
+use lengths::{Lengths, ON_SURFACE};
 use matching::{Likeness, match_points};
 use near::{Near, near_contact};
 pub use point::{FeatureId, ManifoldPoint, PointId};
@@ -65,14 +66,6 @@ use widen::{center, middle, tips, widen};
 
 /// Maximum number of points of a manifold.
 pub const MAX_POINTS: usize = 4;
-
-/// Depths that differ by less than this count as equal in any case, relative to the smaller shape's
-/// outer radius. Larger than the solver's tolerance on any depth below that radius.
-pub(crate) const SAME_DEPTH: f64 = 1e-4;
-
-/// Maximum distance of a point from a surface, relative to the smaller shape's outer radius, beyond
-/// the rounding error of coordinates: the slack of clipping.
-const ON_SURFACE: f64 = 1e-6;
 
 /// Maximum height of the corners of a face above its plane, relative to the length of its sides:
 /// the rounding error of f32 vertices, about.
