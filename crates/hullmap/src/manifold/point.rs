@@ -82,7 +82,7 @@ impl fmt::Display for PointId {
     }
 }
 
-/// A point of a [`Manifold`]. Lengths are in the shapes' units.
+/// A point of a [`Manifold`](crate::Manifold). Lengths are in the shapes' units.
 ///
 /// The two points lie on the surfaces, whatever the status of the manifold is: off by at most 2e-6
 /// of the smaller shape's outer radius, plus the rounding of coordinates (for curved surfaces also
