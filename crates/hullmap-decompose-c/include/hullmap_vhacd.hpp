@@ -41,8 +41,6 @@
 
 #include "hullmap_decompose.h"
 
-// A call of Cancel while another thread is in Compute only asks it to end; so does V-HACD's.
-
 namespace VHACD {
 
 enum class FillMode { FLOOD_FILL, SURFACE_ONLY, RAYCAST_FILL };

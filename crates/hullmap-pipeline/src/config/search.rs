@@ -107,16 +107,13 @@ impl Configs {
     /// decomposed for other reasons.
     pub fn warnings(&self, inputs: &[PathBuf], is_cut: impl Fn(&Path) -> bool) -> Vec<String> {
         let mut warnings = Vec::new();
-        let folders: Vec<PathBuf> =
-            inputs.iter().filter(|input| input.is_dir()).filter_map(|input| input.canonicalize().ok()).collect();
+        let inputs: Vec<PathBuf> = inputs.iter().filter_map(|input| input.canonicalize().ok()).collect();
         for (root, (config, used)) in &self.used {
             let file = config.path.display();
             // A build of part of the folder does not include the other meshes.
-            let holds = |place: &Path| folders.iter().any(|folder| place.starts_with(folder));
-            let sources = config.sources();
-            let has_sources = !config.sources.is_empty();
-            let is_source = |path: &PathBuf| path.canonicalize().is_ok_and(|path| holds(&path) || path.is_file());
-            let is_whole = holds(root) || has_sources && sources.iter().all(is_source);
+            let holds = |place: &Path| inputs.iter().any(|input| place.starts_with(input));
+            let is_input = |source: &PathBuf| source.canonicalize().is_ok_and(|source| holds(&source));
+            let is_whole = holds(root) || !config.sources.is_empty() && config.sources().iter().all(is_input);
             let is_of_links = |rule: &Rule| !rule.links.is_empty();
             let rules = (0..).zip(&config.rules).filter(|(_, rule)| !is_of_links(rule));
             let unused = rules.filter(|(rule, _)| is_whole && !used.contains(rule));
