@@ -151,7 +151,7 @@ pub struct MeshArgs {
     /// Read options from FILE, or `none` [default: the nearest hullmap.toml]
     #[arg(long, hide_short_help = true, value_name = "FILE", help_heading = FILES)]
     pub config: Option<PathBuf>,
-    /// Leave out meshes that match GLOB, as in hullmap.toml; repeatable
+    /// Leave out meshes and folders that match GLOB; repeatable
     #[arg(long, hide_short_help = true, value_name = "GLOB", value_parser = Glob::new, help_heading = FILES)]
     pub exclude: Vec<Glob>,
     /// In folders, also bake hidden meshes, and meshes that a .gitignore names
