@@ -16,7 +16,7 @@ pyo3::create_exception!(hullmap, BakeWarning, PyUserWarning, "A finding of a bak
 /// `InvalidPack` for a bad file; `FileNotFoundError` and its kin for one that cannot be read.
 pub fn of_open(error: OpenError) -> PyErr {
     match error {
-        OpenError::Io { ref source, .. } => of_io(source, error.to_string()),
+        OpenError::Io { ref cause, .. } => of_io(cause, error.to_string()),
         OpenError::Invalid { .. } => InvalidPack::new_err(error.to_string()),
     }
 }

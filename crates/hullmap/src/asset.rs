@@ -68,7 +68,7 @@ impl Asset {
     pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
         let path = path.as_ref();
         let (header, bytes) = read(path, None)?;
-        Self::check(header, bytes).map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
+        Self::check(header, bytes).map_err(|cause| OpenError::Invalid { path: path.to_owned(), cause })
     }
 
     /// Copies the bytes of a whole file and checks all of them.

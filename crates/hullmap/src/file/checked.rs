@@ -28,7 +28,7 @@ pub(crate) trait Checked: Sized {
 /// Reads a file into memory of this process and checks all of it.
 pub(crate) fn open<F: Checked>(path: &Path) -> Result<F, OpenError> {
     let (header, bytes) = read(path, Some(F::KIND))?;
-    F::check(header, bytes).map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
+    F::check(header, bytes).map_err(|cause| OpenError::Invalid { path: path.to_owned(), cause })
 }
 
 /// Copies the bytes of a whole file and checks all of them.

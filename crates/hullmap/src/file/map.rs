@@ -16,8 +16,8 @@ use crate::pack::OpenError;
 /// # Safety
 /// While the bytes exist, no process may write to the file or truncate it.
 pub(crate) unsafe fn map(path: &Path, kind: FileKind) -> Result<(Header, Bytes), OpenError> {
-    let io_error = |source| OpenError::Io { path: path.to_owned(), source };
-    let invalid = |error: HeaderError| OpenError::Invalid { path: path.to_owned(), source: error.into() };
+    let io_error = |cause| OpenError::Io { path: path.to_owned(), cause };
+    let invalid = |error: HeaderError| OpenError::Invalid { path: path.to_owned(), cause: error.into() };
     let file = File::open(path).map_err(io_error)?;
     let metadata = file.metadata().map_err(io_error)?;
     if metadata.is_dir() {
@@ -42,5 +42,5 @@ pub(crate) unsafe fn map(path: &Path, kind: FileKind) -> Result<(Header, Bytes),
 pub(crate) unsafe fn open<F: Checked>(path: &Path) -> Result<F, OpenError> {
     // SAFETY: the caller upholds the contract of this function, which is the contract of `map`.
     let (header, bytes) = unsafe { map(path, F::KIND)? };
-    F::check(header, bytes).map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
+    F::check(header, bytes).map_err(|cause| OpenError::Invalid { path: path.to_owned(), cause })
 }

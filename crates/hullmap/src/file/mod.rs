@@ -120,8 +120,8 @@ pub(crate) fn copy(file: &mut File, head: &[u8], len: u64) -> io::Result<Bytes> 
 /// Reads a file of this kind, or of any, into memory of this process, and the header at its start.
 /// Nothing else is checked, except that the length of the file is the stated one.
 pub(crate) fn read(path: &Path, kind: Option<FileKind>) -> Result<(Header, Bytes), OpenError> {
-    let io_error = |source| OpenError::Io { path: path.to_owned(), source };
-    let invalid = |source: InvalidPack| OpenError::Invalid { path: path.to_owned(), source };
+    let io_error = |cause| OpenError::Io { path: path.to_owned(), cause };
+    let invalid = |cause: InvalidPack| OpenError::Invalid { path: path.to_owned(), cause };
     let mut file = File::open(path).map_err(io_error)?;
     let mut head = Vec::with_capacity(HEADER_LEN);
     (&mut file).take(HEADER_LEN as u64).read_to_end(&mut head).map_err(io_error)?;

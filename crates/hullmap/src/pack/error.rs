@@ -7,23 +7,26 @@ use hullmap_format::{
 };
 
 /// Why a pack, a triangle mesh or a height field could not be opened.
+///
+/// Its text states the cause, so it has no `source`: reports that print the sources of an error
+/// would repeat it.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The file could not be read.
-    #[error("{path}: cannot read the file: {source}; {}", remedy(source))]
+    #[error("{path}: cannot read the file: {cause}; {}", remedy(cause))]
     Io {
         /// The file.
         path: PathBuf,
         /// The system's error.
-        source: io::Error,
+        cause: io::Error,
     },
     /// The file is not one that this version reads.
-    #[error("{path}: {source}")]
+    #[error("{path}: {cause}")]
     Invalid {
         /// The file.
         path: PathBuf,
         /// The fault.
-        source: InvalidPack,
+        cause: InvalidPack,
     },
 }
 

@@ -118,8 +118,7 @@ impl Pack {
 unsafe fn map_file(path: &Path, checks: Checks) -> Result<Pack, OpenError> {
     // SAFETY: the caller upholds the contract of this function, which is the contract of `map`.
     let (header, bytes) = unsafe { map(path, FileKind::Pack)? };
-    Pack::from_storage_bytes(header, bytes, checks)
-        .map_err(|source| OpenError::Invalid { path: path.to_owned(), source })
+    Pack::from_storage_bytes(header, bytes, checks).map_err(|cause| OpenError::Invalid { path: path.to_owned(), cause })
 }
 
 #[cfg(test)]

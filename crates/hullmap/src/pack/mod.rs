@@ -220,7 +220,7 @@ impl Pack {
     }
 
     fn copy(path: &Path, checks: Checks) -> Result<Self, OpenError> {
-        let invalid = |source: InvalidPack| OpenError::Invalid { path: path.to_owned(), source };
+        let invalid = |cause: InvalidPack| OpenError::Invalid { path: path.to_owned(), cause };
         let (header, bytes) = file::read(path, Some(FileKind::Pack))?;
         Self::from_storage_bytes(header, bytes, checks).map_err(invalid)
     }
