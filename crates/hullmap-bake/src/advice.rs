@@ -269,7 +269,7 @@ pub fn bulge(name: &str, outside: f64, diagonal: f64, cover: &Cover) -> Option<R
              cannot follow its round faces; for bodies that rest on them, increase --max-vertices",
             short(outside),
             percent(share),
-            cover.max_vertices,
+            cover.part_vertices(),
         );
         Remark { weight: share, ..Remark::note("beyond the hull", name, text) }
     })
@@ -281,7 +281,7 @@ pub fn divided_by_vertices(name: &str, vertices: usize, cover: &Cover) -> Remark
     let text = format!(
         "{name}: {} vertices a part do not suffice for the error; one part of {vertices} would do: add --max-vertices \
          {vertices}",
-        cover.max_vertices,
+        cover.part_vertices(),
     );
     Remark::note("divided by vertices", name, text)
 }
@@ -336,7 +336,7 @@ pub fn openings(name: &str, share: f64) -> Option<Remark> {
     (share >= OPENING).then(|| {
         let text = format!(
             "{name}: its holes were closed by triangles with {} of its area, and what they enclose counts as solid; to \
-             keep the openings, add --solid walls",
+             keep openings such as the mouth of a pot, with more parts, add --solid walls",
             percent(share)
         );
         Remark { weight: share, ..Remark::warning("closed openings", name, text) }

@@ -69,7 +69,8 @@ typedef struct {
     double max_error_share;
     // Maximum number of parts. The search then looks for the smallest error. Default: no maximum.
     uint32_t max_parts;
-    // Maximum number of vertices of a part, at least 4. Default: 64.
+    // Maximum number of vertices of a part, at least 4. Default: 64; 255 for a mesh that one part
+    // represents within the maximum error.
     uint32_t max_vertices;
     // The solid of an open mesh. 1: its inside, after its holes are closed. 2: its walls, so that
     // openings stay open. Default: open surfaces are walls if half of their area has faces on both

@@ -78,7 +78,7 @@ pub fn decompose(
     let rejected = |error: BakeError| Failure::new(Code::Rejected, error);
     let hulls: Vec<Hull> = match decompose_in(&mesh, &cover, stage.from_to(0.0, 0.8)).map_err(rejected)? {
         Some(parts) => parts.iter().map(hull::build).collect::<Result<_, _>>().map_err(rejected)?,
-        None => vec![whole(&mesh, cover.max_vertices).map_err(rejected)?],
+        None => vec![whole(&mesh, cover.one_part_vertices()).map_err(rejected)?],
     };
     if stage.is_cancelled() {
         return Err(Failure::new(Code::Cancelled, "the decomposition was cancelled; start it again"));
@@ -153,9 +153,9 @@ fn cover(options: &Options) -> Result<Cover, Failure> {
         return Err(Failure::new(Code::InvalidArgument, text));
     };
     let usual = Cover::default();
-    let max_vertices = if options.max_vertices == 0 { usual.max_vertices } else { options.max_vertices };
-    if (max_vertices as usize) < MIN_VERTICES {
-        let text = format_args!("options.max_vertices: {max_vertices} is below {MIN_VERTICES}; increase it");
+    let max_vertices = (options.max_vertices > 0).then_some(options.max_vertices);
+    if let Some(few) = max_vertices.filter(|count| (*count as usize) < MIN_VERTICES) {
+        let text = format_args!("options.max_vertices: {few} is below {MIN_VERTICES}; increase it");
         return Err(Failure::new(Code::InvalidArgument, text));
     }
     Ok(Cover {

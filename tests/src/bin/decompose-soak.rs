@@ -166,7 +166,8 @@ fn judge(seed: u64, arguments: &Arguments) -> Outcome {
     if let Some(fit) = fits.iter().find(|fit| fit.protrusion > limit) {
         return Outcome::False(format!("a part protrudes by {:.6} of the limit", fit.protrusion / limit));
     }
-    if let Some(hull) = hulls.iter().find(|hull| hull.vertices.len() > cover.max_vertices as usize) {
+    let most = if hulls.len() > 1 { cover.part_vertices() } else { cover.one_part_vertices() };
+    if let Some(hull) = hulls.iter().find(|hull| hull.vertices.len() > most as usize) {
         return Outcome::False(format!("a part has {} vertices", hull.vertices.len()));
     }
     if let Some(why) = refutation(&mesh, &hulls, &fits, 2 * arguments.samples, seed) {

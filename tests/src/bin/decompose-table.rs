@@ -45,8 +45,8 @@ struct Arguments {
     #[arg(long, default_value_t = 2.0)]
     max_error: f64,
     /// Maximum number of vertices of a part
-    #[arg(long, default_value_t = Cover::default().max_vertices)]
-    max_vertices: u32,
+    #[arg(long, value_name = "N")]
+    max_vertices: Option<u32>,
     /// Number of points that try to refute the claims about each mesh
     #[arg(long, default_value_t = 0)]
     samples: usize,

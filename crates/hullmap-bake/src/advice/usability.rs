@@ -204,7 +204,7 @@ mod tests {
     const COVER: Cover = Cover {
         max_error: Length::Relative(0.02),
         max_parts: None,
-        max_vertices: 64,
+        max_vertices: Some(64),
         solid: SolidRule::Auto,
         wall: Length::Relative(0.005),
         seconds: None,

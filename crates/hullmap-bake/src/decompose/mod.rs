@@ -32,10 +32,11 @@ mod patch;
 mod rest;
 mod search;
 
+use alone::one_part;
 pub use alone::vertices_of_one_part;
 use convex::is_convex;
 pub use curve::{CurvePoint, curve};
-pub use parameters::{Cover, Length};
+pub use parameters::{Cover, Length, ONE_PART_VERTICES, PART_VERTICES};
 use part::SourceVertices;
 use partition::{few, field::Field};
 use search::Search;
@@ -89,18 +90,22 @@ fn decompose_by(
     let frame = Frame::new(mesh);
     let mesh = &frame.of_mesh(mesh);
     let vertices = SourceVertices::new(mesh, &frame);
-    let max_vertices = (parameters.max_vertices as usize).max(simplify::MIN_VERTICES);
+    let max_vertices = (parameters.part_vertices() as usize).max(simplify::MIN_VERTICES);
     let solid = Solid::in_frame(mesh, parameters.solid);
-    let found = if parameters.max_parts == Some(1) {
-        None
-    } else {
-        let field = Field::new(&solid);
-        Search { mesh, vertices: &vertices, field, parameters, max_vertices, deadline, stage }.hulls()
+    let hull = hull::build(mesh)?;
+    let alone = match parameters.max_parts {
+        None | Some(1) => one_part(hull.clone(), &solid, parameters, parameters.one_part_vertices() as usize),
+        Some(_) => None,
     };
-    let hulls = match found {
-        Some(hulls) => hulls,
-        None => vec![few::within_vertices(hull::build(mesh)?, max_vertices)],
+    let found = match alone {
+        Some((_, hull)) => Some(vec![hull]),
+        None if parameters.max_parts == Some(1) => None,
+        None => {
+            let field = Field::new(&solid);
+            Search { mesh, vertices: &vertices, field, parameters, max_vertices, deadline, stage }.hulls()
+        }
     };
+    let hulls = found.unwrap_or_else(|| vec![few::within_vertices(hull, max_vertices)]);
     stage.reach(1.0);
     let named = |(index, hull)| PointSet { name: format!("{}_part_{index:02}", mesh.name), ..vertices.part(hull) };
     Ok(Some(hulls.iter().enumerate().map(named).collect()))

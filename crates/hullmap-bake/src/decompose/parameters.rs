@@ -12,6 +12,13 @@ use hullmap_geometry::{
 /// their union, relative to the latter.
 pub const OVERLAP: f64 = 0.05;
 
+/// Maximum number of vertices of one of several parts, unless [`Cover::max_vertices`] states it.
+pub const PART_VERTICES: u32 = 64;
+
+/// The same for a mesh that one part represents within the error: such a mesh is not divided for
+/// its vertices. Engines allow no more (PhysX).
+pub const ONE_PART_VERTICES: u32 = 255;
+
 /// A length, absolute or relative to the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Length {
@@ -49,8 +56,9 @@ pub struct Cover {
     /// Maximum number of parts, at least 1. It has precedence over `max_error`.
     pub max_parts: Option<u32>,
     /// Maximum number of vertices of a part, at least
-    /// [`MIN_VERTICES`](crate::simplify::MIN_VERTICES).
-    pub max_vertices: u32,
+    /// [`MIN_VERTICES`](crate::simplify::MIN_VERTICES). `None`: [`PART_VERTICES`], and
+    /// [`ONE_PART_VERTICES`] for a mesh that one part represents within the error.
+    pub max_vertices: Option<u32>,
     /// The rule for the solid of an open mesh.
     pub solid: SolidRule,
     /// Thickness of the parts of walls, and least thickness of any part, above 0. It is at most
@@ -67,7 +75,7 @@ impl Default for Cover {
         Self {
             max_error: Length::Relative(0.02),
             max_parts: None,
-            max_vertices: 64,
+            max_vertices: None,
             solid: SolidRule::Auto,
             wall: Length::Relative(0.005),
             seconds: None,
@@ -76,6 +84,16 @@ impl Default for Cover {
 }
 
 impl Cover {
+    /// Maximum number of vertices of one of several parts.
+    pub fn part_vertices(&self) -> u32 {
+        self.max_vertices.unwrap_or(PART_VERTICES)
+    }
+
+    /// Maximum number of vertices of a mesh's only part.
+    pub fn one_part_vertices(&self) -> u32 {
+        self.max_vertices.unwrap_or(ONE_PART_VERTICES)
+    }
+
     /// The solid from which protrusion is measured.
     ///
     /// # Complexity

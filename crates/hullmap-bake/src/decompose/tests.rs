@@ -424,7 +424,7 @@ fn assert_that_little_is_done_after_the_deadline(meshes: &[Mesh]) {
             if end > all && end != u64::MAX {
                 break;
             }
-            let cover = Cover { max_vertices: 20, ..Cover::default() };
+            let cover = Cover { max_vertices: Some(20), ..Cover::default() };
             let before = LOOKS.load(Ordering::Relaxed);
             let deadline = Deadline::by(seconds_looked, end as f64);
             let parts = decompose_by(&mesh, &cover, Some(deadline), Stage::default()).unwrap().unwrap();

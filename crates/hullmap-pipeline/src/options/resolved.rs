@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap_bake::IndexKind;
-use hullmap_bake::decompose::{Cover, Length};
+use hullmap_bake::decompose::{Cover, Length, ONE_PART_VERTICES, PART_VERTICES};
 use hullmap_bake::fit::SolidRule;
 use hullmap_bake::simplify::Limit;
 use hullmap_format::header::FileKind;
@@ -106,8 +106,11 @@ impl BuildOptions {
         self.switch("decompose").then(|| Cover {
             max_error: self.max_error().unwrap_or(Cover::default().max_error),
             max_parts: self.optional_count("max_parts"),
-            max_vertices: self
-                .within_budget(self.optional_count("max_vertices").unwrap_or(Cover::default().max_vertices)),
+            max_vertices: match self.optional_count("max_vertices") {
+                Some(count) => Some(self.within_budget(count)),
+                None if self.within_budget(ONE_PART_VERTICES) == ONE_PART_VERTICES => None,
+                None => Some(self.within_budget(PART_VERTICES)),
+            },
             solid: SolidRule::ALL
                 .into_iter()
                 .find(|rule| rule.as_str() == self.word("solid"))
@@ -292,11 +295,12 @@ pub mod tests {
 
     #[test]
     fn helps_state_the_defaults_of_parts() {
-        let Cover { max_error: Length::Relative(share), max_vertices, .. } = Cover::default() else {
+        let Length::Relative(share) = Cover::default().max_error else {
             panic!("the default is a share of the diagonal");
         };
-        let defaults = [("max_vertices", max_vertices.to_string()), ("max_error", format!("{}%", 100.0 * share))];
-        for (key, default) in defaults {
+        for (key, default) in
+            [("max_vertices", PART_VERTICES.to_string()), ("max_error", format!("{}%", 100.0 * share))]
+        {
             let help = OPTIONS[position(key).unwrap()].help;
             assert!(help.contains(&format!("part (default {default})")), "{key}: {help}");
         }
@@ -326,7 +330,7 @@ pub mod tests {
         let usual = Cover::default();
         assert_eq!(cover("max_error", "0.5"), Some(Cover { max_error: Length::Absolute(0.5), ..usual }));
         assert_eq!(cover("max_error", "1%"), Some(Cover { max_error: Length::Relative(0.01), ..usual }));
-        assert_eq!(cover("max_vertices", "32"), Some(Cover { max_vertices: 32, ..usual }));
+        assert_eq!(cover("max_vertices", "32"), Some(Cover { max_vertices: Some(32), ..usual }));
         assert_eq!(cover("max_parts", "7"), Some(Cover { max_parts: Some(7), ..usual }));
         assert_eq!(cover("solid", "walls"), Some(Cover { solid: SolidRule::Walls, ..usual }));
         assert_eq!(cover("solid", "closed"), Some(Cover { solid: SolidRule::Closed, ..usual }));

@@ -167,7 +167,7 @@ fn more_parts_are_used_where_they_help() {
 #[test]
 fn a_search_without_time_ends_with_halves() {
     let mesh = point_set(&concave::horseshoe(48));
-    let found = covering(&mesh, Cover { seconds: Some(1e-9), max_vertices: 12, ..Cover::default() });
+    let found = covering(&mesh, Cover { seconds: Some(1e-9), max_vertices: Some(12), ..Cover::default() });
     assert!(found.len() > 2 && found.len() <= 8, "{}", found.len());
     assert!(found.iter().all(|hull| hull.vertices.len() <= 12));
     let volume = |hulls: &[Hull]| hulls.iter().map(|hull| crate::mass::mass(hull).volume).sum::<f64>();
@@ -183,7 +183,7 @@ fn a_search_may_end_at_any_time() {
     for milliseconds in [1, 3, 10, 30, 100, 300, 1000] {
         for max_parts in [None, Some(4)] {
             let seconds = Some(f64::from(milliseconds) * 1e-3);
-            let found = covering(&mesh, Cover { seconds, max_parts, max_vertices: 20, ..Cover::default() });
+            let found = covering(&mesh, Cover { seconds, max_parts, max_vertices: Some(20), ..Cover::default() });
             assert!(found.iter().all(|hull| hull.vertices.len() <= 20), "{milliseconds}");
             assert!(max_parts.is_none_or(|count| found.len() <= count as usize), "{milliseconds}: {}", found.len());
         }
@@ -203,7 +203,8 @@ fn no_part_has_more_vertices_than_allowed() {
         mesh.positions.extend(hull.vertices.iter().map(|p| [p[0] * 0.3 + 3.0, p[1] * 0.3, p[2] * 0.3]));
         mesh.triangles.extend(mesh.triangles.clone().into_iter().map(|t| t.map(|v| v + count)));
         mesh.source_vertices = (0..mesh.positions.len() as u32).collect();
-        let found = covering(&mesh, Cover { max_vertices, max_error: Length::Relative(share), ..Cover::default() });
+        let max_error = Length::Relative(share);
+        let found = covering(&mesh, Cover { max_vertices: Some(max_vertices), max_error, ..Cover::default() });
         let most = found.iter().map(|hull| hull.vertices.len()).max().unwrap();
         assert!(most <= max_vertices as usize, "{most} of {max_vertices} at {share}");
     }
