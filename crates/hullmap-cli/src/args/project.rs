@@ -1,4 +1,5 @@
 //! A build without arguments: the nearest `hullmap.toml` names the meshes and the folder of packs.
+//! A build of some of its meshes writes their packs where the whole build does.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -40,8 +41,17 @@ pub fn completed(words: &[OsString], error: &clap::Error, command: Command) -> R
     let mut words = words.to_vec();
     if is_missing("--out ") {
         let Some(output) = config.output()? else { return Ok(None) };
+        let sources = config.sources();
+        let mut below = folders.iter().map(|folder| below(folder, &sources).unwrap_or_default());
+        let first = below.next().unwrap_or_default();
+        if below.any(|other| other != first) {
+            return Err(Failure::usage(
+                "the inputs lie in different folders of the project; run `bake build` without inputs, which bakes only \
+                 what changed, or name the folder of the packs with --out",
+            ));
+        }
         let mut out = OsString::from("--out=");
-        out.push(output);
+        out.push(output.join(first));
         let end = words.iter().position(|word| word == "--").unwrap_or(words.len());
         words.insert(end, out);
     }
@@ -52,6 +62,13 @@ pub fn completed(words: &[OsString], error: &clap::Error, command: Command) -> R
         words.extend(config.sources().into_iter().map(OsString::from));
     }
     Ok(Some(words))
+}
+
+/// The path of a folder below the first of the sources that holds it.
+fn below(folder: &Path, sources: &[PathBuf]) -> Option<PathBuf> {
+    let folder = folder.canonicalize().ok()?;
+    let roots = sources.iter().filter_map(|source| source.canonicalize().ok());
+    roots.filter_map(|root| folder.strip_prefix(root).ok().map(Path::to_owned)).next()
 }
 
 fn optional(command: Command) -> Command {
