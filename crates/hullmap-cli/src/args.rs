@@ -637,6 +637,19 @@ fn parse_words(words: &[OsString]) -> Result<Cli, clap::Error> {
 }
 
 impl Command {
+    pub fn is_quiet(&self) -> bool {
+        match self {
+            Self::Build(args) => args.run.quiet,
+            Self::Farm(Farm::Build(args)) => args.build.run.quiet,
+            Self::Farm(Farm::Task(args)) => args.run.quiet,
+            Self::Robot(args) => args.run.quiet,
+            Self::Decompose(args) => args.quiet,
+            Self::Verify(args) => args.quiet,
+            Self::Export(args) => args.quiet,
+            _ => false,
+        }
+    }
+
     fn options(&self) -> Option<&OptionFlags> {
         match self {
             Self::Build(args) => Some(&args.meshes.options),

@@ -53,6 +53,7 @@ pub fn run<W: Into<OsString> + Clone>(words: impl IntoIterator<Item = W>) -> u8 
             return u8::try_from(error.exit_code()).unwrap_or(Exit::Usage as u8);
         }
     };
+    terminal::silence(cli.command.is_quiet());
     let mut out = Output::standard();
     let result =
         dispatch(&cli, &args::program(&words), &mut out).and_then(|exit| end(exit, out.flush().map_err(Into::into)));

@@ -69,9 +69,9 @@ struct InWork {
 }
 
 impl Progress {
-    pub fn new(is_quiet: bool, files: usize, cost: u64) -> Self {
+    pub fn new(files: usize, cost: u64) -> Self {
         let display = match terminal::screen() {
-            _ if is_quiet => Display::None,
+            _ if terminal::is_quiet() => Display::None,
             None => Display::Lines,
             Some(screen) => bars(screen, cost),
         };

@@ -42,10 +42,9 @@ pub fn jobs_of_folders(args: &MeshArgs, out: &Path) -> Result<(Vec<Job>, Exit), 
 
 pub fn run_jobs(jobs: &[&Job], build: &Build, args: &RunArgs) -> Result<Vec<(Row, Exit)>, Failure> {
     let resources = Resources { threads: args.jobs, memory: args.memory.unwrap_or(DEFAULT_MEMORY) };
-    let results = runner::run(jobs, build, resources, |files, cost| Progress::new(args.quiet, files, cost))?;
+    let results = runner::run(jobs, build, resources, Progress::new)?;
     if let Some(cache) = build.cache
         && let Some(trouble) = cache.take_trouble()
-        && !args.quiet
     {
         terminal::warning(trouble);
     }
@@ -57,7 +56,7 @@ pub fn print_messages(rows: &[Row], args: &RunArgs, prunes: bool) {
     let noted = |row: &&Row| row.status != Status::Orphaned;
     let mut notes = Notes::new(rows.iter().filter(noted).map(|row| (&*row.source, &*row.notes)), args);
     for row in rows {
-        if !args.quiet && row.status == Status::Orphaned {
+        if row.status == Status::Orphaned {
             let remedy = match row.notes.first() {
                 Some(kept) => format!(", but {kept}"),
                 None if prunes => String::new(),
@@ -68,7 +67,7 @@ pub fn print_messages(rows: &[Row], args: &RunArgs, prunes: bool) {
         } else {
             notes.print(&row.source, &row.notes);
         }
-        for warning in row.warnings.iter().filter(|_| !args.quiet) {
+        for warning in &row.warnings {
             terminal::warning(format_args!("{}: {warning}", row.source));
         }
         if let Some(error) = &row.error {
@@ -80,7 +79,6 @@ pub fn print_messages(rows: &[Row], args: &RunArgs, prunes: bool) {
 /// Notes of several files. Without `--verbose`, only those that give advice are printed, and the
 /// same advice once.
 pub struct Notes<'r> {
-    is_quiet: bool,
     is_verbose: bool,
     /// The files that get each advice.
     advised: BTreeMap<&'r str, Vec<&'r str>>,
@@ -93,11 +91,11 @@ impl<'r> Notes<'r> {
         for (file, note) in rows.flat_map(|(file, notes)| notes.iter().map(move |note| (file, note))) {
             advised.entry(advice(note).unwrap_or_default()).or_default().push(file);
         }
-        Self { is_quiet: args.quiet, is_verbose: args.verbose, advised }
+        Self { is_verbose: args.verbose, advised }
     }
 
     pub fn print(&mut self, file: &str, notes: &[String]) {
-        for note in notes.iter().filter(|_| !self.is_quiet) {
+        for note in notes {
             if self.is_verbose {
                 terminal::note(format_args!("{file}: {note}"));
             } else if let Some(files) = advice(note).and_then(|advice| self.advised.remove(advice)) {
@@ -119,11 +117,7 @@ fn others(sources: &[&str]) -> String {
 }
 
 pub fn write_rows(rows: &[Row], args: &RunArgs, is_check: bool, out: &mut Output) -> Result<(), Failure> {
-    match (args.json, args.quiet) {
-        (true, _) => write_json(rows, out),
-        (false, true) => Ok(()),
-        (false, false) => write_table(rows, args.verbose, is_check, out),
-    }
+    if args.json { write_json(rows, out) } else { write_table(rows, args.verbose, is_check, out) }
 }
 
 /// Writes one JSON object per line.

@@ -37,6 +37,9 @@ impl Table {
     /// Separates columns by two spaces. Each is as wide as its widest cell of at most
     /// [`MAX_WIDTH`].
     pub fn write(&self, out: &mut Output) -> io::Result<()> {
+        if terminal::is_quiet() {
+            return Ok(());
+        }
         let width = |column: usize| {
             let cells = self.rows.iter().map(|row| row[column].chars().count()).filter(|width| *width <= MAX_WIDTH);
             cells.chain([self.columns[column].0.len()]).max().unwrap_or(0)

@@ -10,6 +10,7 @@
 use std::cell::RefCell;
 use std::fmt::{self, Display, Write as _};
 use std::io::{self, BufWriter, IsTerminal, Write, stderr, stdout};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use anstream::ColorChoice;
 use clap::builder::styling::{AnsiColor, Style};
@@ -74,6 +75,17 @@ pub fn paint(choice: &str) {
     choice.map_or(ColorChoice::Auto, |(_, choice)| choice).write_global();
 }
 
+static IS_QUIET: AtomicBool = AtomicBool::new(false);
+
+/// With `true`, only errors, JSON and whole files are printed: `--quiet`.
+pub fn silence(is_quiet: bool) {
+    IS_QUIET.store(is_quiet, Ordering::Relaxed);
+}
+
+pub fn is_quiet() -> bool {
+    IS_QUIET.load(Ordering::Relaxed)
+}
+
 pub const BAD: Style = AnsiColor::Red.on_default().bold();
 pub const DOUBTFUL: Style = AnsiColor::Yellow.on_default().bold();
 pub const GOOD: Style = AnsiColor::Green.on_default();
@@ -101,6 +113,9 @@ impl<'a> Output<'a> {
     }
 
     pub fn line(&mut self, line: impl Display) -> io::Result<()> {
+        if is_quiet() {
+            return Ok(());
+        }
         writeln!(self.writer, "{}", Escaped(line))
     }
 
@@ -125,7 +140,7 @@ pub fn error(message: impl Display) {
 
 pub fn note(message: impl Display) {
     let is_held = HELD.with_borrow_mut(|held| held.as_mut().map(|held| held.push(message.to_string())).is_some());
-    if !is_held {
+    if !is_held && !is_quiet() {
         remark("note", REMARK, &message);
     }
 }
@@ -140,12 +155,14 @@ pub fn with_notes_of_changes<E>(work: impl FnOnce() -> Result<bool, E>) -> Resul
     HELD.set(Some(Vec::new()));
     let result = work();
     let notes = HELD.take().unwrap_or_default();
-    notes.iter().filter(|_| !matches!(result, Ok(false))).for_each(|note| remark("note", REMARK, note));
+    notes.iter().filter(|_| !matches!(result, Ok(false))).for_each(note);
     result
 }
 
 pub fn warning(message: impl Display) {
-    remark("warning", DOUBTFUL, &message);
+    if !is_quiet() {
+        remark("warning", DOUBTFUL, &message);
+    }
 }
 
 fn remark(kind: &str, style: Style, message: &dyn Display) {
@@ -153,7 +170,9 @@ fn remark(kind: &str, style: Style, message: &dyn Display) {
 }
 
 pub fn say(line: impl Display) {
-    let _ = writeln!(stderr(), "{}", Escaped(line));
+    if !is_quiet() {
+        let _ = writeln!(stderr(), "{}", Escaped(line));
+    }
 }
 
 /// Whether output goes to a terminal, which binary data would disturb.

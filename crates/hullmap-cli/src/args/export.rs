@@ -60,6 +60,9 @@ pub struct ExportArgs {
     /// Replace files that bake did not write, or that were edited
     #[arg(long)]
     pub force: bool,
+    /// Print only errors
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 /// Formats of exported meshes.

@@ -21,6 +21,9 @@ pub struct VerifyArgs {
     /// List every hull in the table, not one line per pack
     #[arg(short, long)]
     pub verbose: bool,
+    /// Print only errors
+    #[arg(short, long, conflicts_with = "verbose")]
+    pub quiet: bool,
     /// Fail if a hull is not within the limits of an engine: physx, physx-gpu, jolt, box3d, unity,
     /// unreal, newton or mujoco-warp
     #[arg(long = "for", value_name = "ENGINE", value_parser = PossibleValuesParser::new(&NAMES[1..]))]

@@ -94,11 +94,7 @@ pub fn run(args: &DecomposeArgs, out: &mut Output) -> Result<Exit, Failure> {
         warnings: pack.warnings,
         meshes,
     };
-    let written = match (args.json, args.quiet) {
-        (true, _) => out.json(&report).map_err(Failure::from),
-        (false, true) => Ok(()),
-        (false, false) => write_text(&report, out),
-    };
+    let written = if args.json { out.json(&report).map_err(Failure::from) } else { write_text(&report, out) };
     end(Exit::Done, written)
 }
 
@@ -133,7 +129,7 @@ fn with_progress<T: Send>(
 ) -> Result<T, Failure> {
     let pool = rayon::ThreadPoolBuilder::new().build();
     let pool = pool.map_err(|error| Failure::usage(format!("cannot start threads: {error}")))?;
-    let progress = Progress::new(args.quiet, 1, COST);
+    let progress = Progress::new(1, COST);
     let work = |index: usize| {
         let done = progress.begin(index, &args.input, COST);
         let result = work(done.whole());

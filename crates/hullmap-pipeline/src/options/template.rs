@@ -14,7 +14,6 @@ const HEAD: &str = "\
 # A mesh is baked again when its own options change, not whenever this file changes.
 # If several folders above a mesh have such a file, only the nearest one is used.
 
-#
 # With these two, `bake build` needs no arguments. Paths are relative to this folder.
 # sources = [\"assets\"]
 # output = \"baked\"

@@ -18,7 +18,7 @@ use hullmap_pipeline::runner::one::{Baker, Build};
 use hullmap_pipeline::runner::rows::{Row, Status};
 
 pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut Output) -> Result<Exit, Failure> {
-    let found = find_jobs(args, !args.run.quiet)?;
+    let found = find_jobs(args, true)?;
     build(args, project, baker, &found, |_| true, out)
 }
 

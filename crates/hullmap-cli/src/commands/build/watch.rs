@@ -49,16 +49,12 @@ pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut Output) ->
         // removed and made again, its watch is gone.
         let made = args.out.canonicalize().unwrap_or_else(|_| args.out.clone());
         let _ = watcher.watcher.watch(&made, RecursiveMode::Recursive);
-        if !args.run.quiet {
-            terminal::say("watching for changes; press Ctrl-C to stop");
-        }
+        terminal::say("watching for changes; press Ctrl-C to stop");
         let paths = match interrupt::idle(|| wait(&events, &made)) {
             Some(paths) => paths,
             None => return Ok(Exit::Done),
         };
-        if !args.run.quiet {
-            print_changes(&paths);
-        }
+        print_changes(&paths);
         changed = Some(paths);
     }
 }
@@ -72,7 +68,7 @@ fn once(
     out: &mut Output,
 ) -> Result<BTreeSet<PathBuf>, Failure> {
     let is_all = changed.is_none_or(|paths| paths.iter().any(|path| !is_source(path) && !is_baked(path)));
-    let mut found = find_jobs(args, is_all && !args.run.quiet)?;
+    let mut found = find_jobs(args, is_all)?;
     if !is_all {
         // They were reported by the build of everything.
         found.unread.clear();

@@ -12,6 +12,7 @@ use std::path::Path;
 use glam::{DAffine3, DMat3, DVec3};
 use hullmap::{MassSource, Pack};
 use hullmap_bake::PointSet;
+use hullmap_geometry::number::rounded;
 use hullmap_import::{
     self as import, ImportOptions, Limits, ReadError, SceneObject, SourceFile, Split, UpAxis, scene_objects,
 };
@@ -29,6 +30,9 @@ use hullmap_pipeline::options::BuildOptions;
 use hullmap_pipeline::outcome::Failure;
 use hullmap_pipeline::pack_file::folder_of;
 use hullmap_pipeline::principal_axes::principal_axes;
+
+/// Maximum difference from 1 of a scale that is none.
+const UNSCALED: f64 = 1e-4;
 
 pub struct Added<'a> {
     pub args: &'a ExportArgs,
@@ -75,6 +79,9 @@ impl Added<'_> {
         let options = self.import_options();
         let owners = self.owners(into, &objects, options.split)?;
         let bodies = self.named(into, &objects, bodies, &owners)?;
+        if self.args.target == Some(Target::Godot) {
+            warn_of_scales(into, owners.iter().flatten().copied());
+        }
         let mesh_of = |owner: &SceneObject| {
             let mesh = document.nodes.get(owner.node)?.mesh?;
             document.meshes.get(mesh as usize)?.name.as_deref()
@@ -344,6 +351,20 @@ impl Document {
         }
         Ok(parents)
     }
+}
+
+/// Warns of scaled nodes: Godot supports no scaled bodies.
+fn warn_of_scales<'o>(into: &Path, owners: impl Iterator<Item = &'o SceneObject>) {
+    let scale = |owner: &SceneObject| owner.node_in_scene.to_scale_rotation_translation().0;
+    let is_scaled = |owner: &&SceneObject| !scale(owner).abs_diff_eq(DVec3::ONE, UNSCALED);
+    let scaled: BTreeMap<usize, &SceneObject> = owners.filter(is_scaled).map(|owner| (owner.node, owner)).collect();
+    let Some(first) = scaled.values().next() else { return };
+    let more = if scaled.len() > 1 { format!(" (and {} more)", scaled.len() - 1) } else { String::new() };
+    let (file, name, scale) = (into.display(), &first.name, scale(first).to_array().map(rounded).join(" "));
+    terminal::warning(format_args!(
+        "{file}: node {name} is scaled by {scale}{more}, and Godot supports no scaled bodies; apply the scale in your \
+         modeller, and bake again"
+    ));
 }
 
 /// Transform from the frame of a pack to its source file's: the inverse of the import's.

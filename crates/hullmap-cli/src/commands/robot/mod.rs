@@ -114,11 +114,10 @@ pub fn run(args: &RobotArgs, out: &mut Output) -> Result<Exit, Failure> {
     }
     let changed = rows.iter().filter(|row| row.status != Status::Fresh).map(|row| (&*row.file, &*row.notes));
     let mut notes = Notes::new(changed, &args.run);
-    rows.iter().for_each(|row| row.print_messages(&mut notes, args.run.quiet));
-    let written = match (args.run.json, args.run.quiet) {
-        (true, _) => rows.iter().try_for_each(|row| out.json(row)).map_err(Failure::from),
-        (false, true) => Ok(()),
-        (false, false) => rows.iter().try_for_each(|row| row.write(args.run.verbose, out)),
+    rows.iter().for_each(|row| row.print_messages(&mut notes));
+    let written = match args.run.json {
+        true => rows.iter().try_for_each(|row| out.json(row)).map_err(Failure::from),
+        false => rows.iter().try_for_each(|row| row.write(args.run.verbose, out)),
     };
     end(exit, written)
 }

@@ -111,11 +111,9 @@ impl Row {
     }
 
     /// Prints its messages. `notes` knows the notes of all rows.
-    pub fn print_messages(&self, notes: &mut Notes, is_quiet: bool) {
+    pub fn print_messages(&self, notes: &mut Notes) {
         notes.print(&self.file, &self.notes);
-        for warning in self.warnings.iter().filter(|_| !is_quiet) {
-            terminal::warning(warning);
-        }
+        self.warnings.iter().for_each(terminal::warning);
         self.errors.iter().for_each(terminal::error);
     }
 
