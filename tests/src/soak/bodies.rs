@@ -7,7 +7,7 @@ use glam::DVec3;
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Segment, Sphere, Triangle};
 use hullmap::{Hull, Pack, Pose};
 use hullmap_bake::{IndexKind, SourceRecord};
-use hullmap_testkit::packs;
+use hullmap_testkit::{packs, random::RandomPoses};
 use shapes::{families::Family, rng::SplitMix64};
 
 use super::{
@@ -181,8 +181,8 @@ fn generated() -> Vec<(Kind, String, Vec<[f64; 3]>)> {
 
 /// Three random perpendicular unit vectors.
 fn turn(rng: &mut SplitMix64) -> [DVec3; 3] {
-    let x = DVec3::from_array(rng.direction());
-    let y = x.cross(DVec3::from_array(rng.direction())).normalize();
+    let x = rng.unit_vector();
+    let y = x.cross(rng.unit_vector()).normalize();
     [x, y, x.cross(y)]
 }
 

@@ -1,4 +1,4 @@
-//! The claims of one answer about a line or a half-space, and which of them are wrong.
+//! The claims of one answer, and which of them are wrong.
 
 use glam::DVec3;
 use hullmap::{CastSettings, Impact};
@@ -7,18 +7,29 @@ use shapes::rng::SplitMix64;
 use super::bodies::BodyPair;
 use super::tally::{Tally, Wrong};
 
-/// Rounding error of a certificate, in units of the greatest lengths times the f64 epsilon.
+/// Rounding error of a certificate, in units of the greatest lengths times the f64 epsilon: a
+/// rotated direction or point has an error of about 40, a dot product of a few, on each shape.
 pub(super) const ROUNDING_UNITS: f64 = 64.0;
 
-/// Counts wrong claims about one answer.
+/// The claims of one answer, and the first wrong one.
 pub(super) struct Claims<'t> {
-    pub(super) wrong: Option<(&'static str, f64, f64)>,
-    pub(super) tightest: f64,
-    pub(super) queries: &'static str,
+    wrong: Option<(&'static str, f64, f64)>,
+    tightest: f64,
+    queries: &'static str,
     pub(super) tally: &'t mut Tally,
 }
 
-impl Claims<'_> {
+impl<'t> Claims<'t> {
+    /// Claims of an answer, which is counted.
+    pub(super) fn new(queries: &'static str, tally: &'t mut Tally) -> Self {
+        tally.judged += 1;
+        Self::uncounted(queries, tally)
+    }
+
+    pub(super) fn uncounted(queries: &'static str, tally: &'t mut Tally) -> Self {
+        Self { wrong: None, tightest: 0.0, queries, tally }
+    }
+
     pub(super) fn at_most(&mut self, what: &'static str, found: f64, limit: f64, slack: f64) {
         // NaN takes the failing branch.
         if !(found <= limit + slack) {
@@ -32,8 +43,16 @@ impl Claims<'_> {
         self.at_most(what, f64::from(u8::from(!holds)), 0.0, 0.0);
     }
 
+    /// A value is in its own interval.
+    pub(super) fn ordered(&mut self, what: &'static str, [lower, value, upper]: [f64; 3]) {
+        self.demand(what, lower <= value && value <= upper);
+    }
+
+    pub(super) fn unit(&mut self, normal: DVec3) {
+        self.at_most("the normal has no unit length", (normal.length() - 1.0).abs(), 0.0, 1e-14);
+    }
+
     pub(super) fn finish(self, pair: &BodyPair<'_, '_>, details: impl FnOnce() -> String) {
-        self.tally.judged += 1;
         self.tally.tightest = self.tally.tightest.max(self.tightest);
         let queries = self.queries;
         if let Some((what, found, limit)) = self.wrong {

@@ -21,6 +21,7 @@ use hullmap_testkit::{
     entry::{passage, passage_of_point},
     gap::gap,
     polytope::Polytope,
+    random::RandomPoses,
     reach::Reach,
 };
 use shapes::rng::SplitMix64;
@@ -68,14 +69,11 @@ fn row(by_a: &[f64; 6], by_b: &[f64; 6], lever: f64) -> Row {
     })
 }
 
-fn greatest_entry(rows: &[Row]) -> f64 {
-    rows.iter().flatten().fold(0.0, |greatest: f64, entry| greatest.max(entry.abs()))
-}
-
 /// Greatest difference of two derivatives of a vector, relative to the greatest entry.
 fn off(found: &[Row], truth: &[Row]) -> f64 {
     let pairs = found.iter().flatten().zip(truth.iter().flatten());
-    pairs.map(|(found, truth)| (found - truth).abs()).fold(0.0, f64::max) / greatest_entry(truth)
+    let greatest = truth.iter().flatten().fold(0.0, |greatest: f64, entry| greatest.max(entry.abs()));
+    pairs.map(|(found, truth)| (found - truth).abs()).fold(0.0, f64::max) / greatest
 }
 
 /// Central differences of `truth` by the poses of A and of B, each with the step of its kind and
@@ -112,26 +110,18 @@ fn differences<const N: usize>(
     is_smooth.then_some(half)
 }
 
-/// Normal and points of an answer in A's frame, in the frame in which A is at `a`.
-fn witness(a: Pose, normal: DVec3, points: [DVec3; 2]) -> [f64; 9] {
-    let [p, q] = points.map(|point| a.transform_point(point));
-    let n = a.transform_vector(normal);
-    [n.x, n.y, n.z, p.x, p.y, p.z, q.x, q.y, q.z]
-}
-
 /// Judges the derivatives of one kind of answer for a random pose of the pair.
 pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut Tally) {
     let [Some((a, size_a)), Some((b, size_b))] = pair.bodies.map(polytope) else {
-        *tally.lines.entry("not taken").or_default() += 1;
+        tally.note("not taken");
         return;
     };
     let [Solid::Hull(hull_a), Solid::Hull(hull_b)] = pair.bodies.map(|body| &body.solid) else { return };
-    let turn = |rng: &mut SplitMix64| DQuat::from_axis_angle(DVec3::from_array(rng.direction()), rng.between(0.0, 6.0));
     let sizes = size_a + size_b;
     let (inside_a, inside_b) = (pair.bodies[0].shape().interior_point(), pair.bodies[1].shape().interior_point());
-    let rotation = turn(rng);
+    let rotation = DQuat::from_axis_angle(rng.unit_vector(), rng.between(0.0, 6.0));
     // How far the interior points are from each other.
-    let apart = DVec3::from_array(rng.direction()) * (sizes * rng.between(0.1, 2.5));
+    let apart = rng.unit_vector() * (sizes * rng.between(0.1, 2.5));
     let b_in_a = Pose::new(inside_a + apart - rotation * inside_b, rotation).expect("in range");
     let poses = [Pose::IDENTITY, b_in_a];
     let placed = |poses: [Pose; 2]| (a.placed(poses[0]), b.placed(poses[1]));
@@ -147,7 +137,7 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
         };
         ("distance", near.derivatives(hull_a, hull_b, b_in_a), near.distance, Box::new(truth))
     } else if near.lower > 0.0 {
-        let aim = -apart + DVec3::from_array(rng.direction()) * (0.5 * sizes);
+        let aim = -apart + rng.unit_vector() * (0.5 * sizes);
         let is_ray = way == 1;
         let settings = CastSettings { tolerance: 0.0, ..CastSettings::default() };
         let found = if is_ray {
@@ -182,14 +172,14 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
         ("depth", found, deep.depth, Box::new(truth))
     };
     if found.status == Differentiability::Missing {
-        *tally.lines.entry("missing").or_default() += 1;
+        tally.note("missing");
         return;
     }
     if found.status == Differentiability::Unique && (kind == "distance" || kind == "depth") {
         let step = STEP * length.min(0.1 * sizes);
         judge_witness(pair, [hull_a, hull_b], poses, (kind, step, lever), tally);
     }
-    let mut judge = Claims { wrong: None, tightest: 0.0, queries: "derivatives", tally };
+    let mut judge = Claims::new("derivatives", tally);
     let what = match found.status {
         Differentiability::Unique => {
             let scale = STEP * length.min(0.1 * sizes);
@@ -207,8 +197,8 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
         }
         status => status.as_str(),
     };
-    *judge.tally.lines.entry(kind).or_default() += 1;
-    *judge.tally.lines.entry(what).or_default() += 1;
+    judge.tally.note(kind);
+    judge.tally.note(what);
     judge.finish(pair, || format!("{kind} {b_in_a:?} {found:?}"));
 }
 
@@ -223,35 +213,36 @@ fn judge_witness(
     let is_distance = kind == "distance";
     let answer = |[pose_a, pose_b]: [Pose; 2]| {
         let b_in_a = Pose::relative(pose_a, pose_b).expect("in range");
-        if is_distance {
+        let (normal, points) = if is_distance {
             let found = distance(a, b, b_in_a, &EXACT, &mut Cache::new());
-            witness(pose_a, found.normal, [found.point_a, found.point_b])
+            (found.normal, [found.point_a, found.point_b])
         } else {
             let found = contact(a, b, b_in_a, &EXACT, &mut Cache::new());
-            witness(pose_a, found.normal, [found.point_a, found.point_b])
-        }
+            (found.normal, [found.point_a, found.point_b])
+        };
+        let (n, [p, q]) = (pose_a.transform_vector(normal), points.map(|point| pose_a.transform_point(point)));
+        [n.x, n.y, n.z, p.x, p.y, p.z, q.x, q.y, q.z]
     };
-    let b_in_a = poses[1];
+    let (b_in_a, cache) = (poses[1], &mut Cache::new());
     let found = if is_distance {
-        distance(a, b, b_in_a, &EXACT, &mut Cache::new()).witness_derivatives(a, b, b_in_a)
+        distance(a, b, b_in_a, &EXACT, cache).witness_derivatives(a, b, b_in_a)
     } else {
-        let mut cache = Cache::new();
-        let deep = contact(a, b, b_in_a, &EXACT, &mut cache);
-        deep.witness_derivatives(a, b, b_in_a, &EXACT, &mut cache)
+        contact(a, b, b_in_a, &EXACT, cache).witness_derivatives(a, b, b_in_a, &EXACT, cache)
     };
-    let mut judge = Claims { wrong: None, tightest: 0.0, queries: "derivatives", tally };
+    let mut judge = Claims::new("derivatives", tally);
     let what = match found.status {
         Differentiability::Unique => match differences(poses, [step, step / lever], 3, &answer) {
             None => "witness: kink in the step",
             Some(truth) => {
                 let (by_a, by_b) = (found.by_a, found.by_b);
-                let rows = |by_a: [[f64; 6]; 3], by_b: [[f64; 6]; 3]| {
-                    std::array::from_fn::<Row, 3, _>(|i| row(&by_a[i], &by_b[i], lever))
-                };
-                let [normal, points] = [&truth[..3], &truth[3..]];
-                judge.at_most("normal", off(&rows(by_a.normal, by_b.normal), normal), 0.0, TOLERANCE);
-                judge.at_most("point of A", off(&rows(by_a.point_a, by_b.point_a), &points[..3]), 0.0, TOLERANCE);
-                judge.at_most("point of B", off(&rows(by_a.point_b, by_b.point_b), &points[3..]), 0.0, TOLERANCE);
+                for (what, by_a, by_b, truth) in [
+                    ("normal", by_a.normal, by_b.normal, &truth[..3]),
+                    ("point of A", by_a.point_a, by_b.point_a, &truth[3..6]),
+                    ("point of B", by_a.point_b, by_b.point_b, &truth[6..]),
+                ] {
+                    let rows: [Row; 3] = std::array::from_fn(|i| row(&by_a[i], &by_b[i], lever));
+                    judge.at_most(what, off(&rows, truth), 0.0, TOLERANCE);
+                }
                 "witness: judged"
             }
         },
@@ -259,6 +250,6 @@ fn judge_witness(
         Differentiability::Curved => "witness: curved",
         _ => "witness: other reason",
     };
-    *judge.tally.lines.entry(what).or_default() += 1;
+    judge.tally.note(what);
     judge.finish(pair, || format!("{kind} {b_in_a:?} {found:?}"));
 }

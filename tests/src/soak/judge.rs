@@ -18,7 +18,7 @@
 
 use std::hash::Hasher;
 
-use glam::{DMat3, DVec3};
+use glam::{DQuat, DVec3};
 use hullmap::{
     Cache, Contact, Distance, Geometry, Intersection, Minkowski, Overlap, Pose, Settings, Status, contact, distance,
     intersects,
@@ -26,19 +26,16 @@ use hullmap::{
 use hullmap_testkit::{
     depth::signed_depth,
     polytope::Polytope,
-    reach::{Placed, Reach, way_out},
+    reach::{Placed, Reach},
 };
 use twox_hash::XxHash3_64;
 
 use super::{
     bodies::BodyPair,
-    body::{Any, Body, Solid},
-    tally::{Tally, Wrong},
+    body::{Body, Solid},
+    claims::{Claims, ROUNDING_UNITS},
+    tally::Tally,
 };
-
-/// Rounding error of a certificate, in units of the greatest lengths times the f64 epsilon: a
-/// rotated direction or point has an error of about 40, a dot product of a few, on each shape.
-const ROUNDING_UNITS: f64 = 64.0;
 
 /// Tolerance of a unit vector's length.
 const UNIT: f64 = 1e-14;
@@ -111,15 +108,13 @@ impl Answers {
         hasher.write_u32(yes.status as u32);
         hasher.write_u32(deep.status as u32);
         hasher.write_u32(near.status as u32);
-        for count in [
-            yes.iterations,
-            yes.support_calls,
-            deep.iterations,
-            deep.support_calls,
-            near.iterations,
-            near.support_calls,
+        for (iterations, calls) in [
+            (yes.iterations, yes.support_calls),
+            (deep.iterations, deep.support_calls),
+            (near.iterations, near.support_calls),
         ] {
-            hasher.write(&count.to_le_bytes());
+            hasher.write(&iterations.to_le_bytes());
+            hasher.write(&calls.to_le_bytes());
         }
         let lengths = [deep.depth, deep.depth_lower, deep.depth_upper, near.distance, near.lower, near.upper];
         let vectors = [deep.normal, deep.point_a, deep.point_b, near.normal, near.point_a, near.point_b];
@@ -141,22 +136,23 @@ pub fn judge_pair(pair: &BodyPair<'_, '_>, tally: &mut Tally) {
     for body in pair.bodies {
         *tally.kinds.entry(body.kind).or_default() += 1;
     }
-    let scene = Scene::new(a, b, pair.b_in_a);
-    scene.judge(pair, "cold", &answers, tally);
-    if index.is_multiple_of(FACETS_INTERVAL) {
-        scene.judge_by_normals(pair, &answers, tally);
-        scene.judge_by_facets(pair, &answers, tally);
-    }
+    let scene = Scene::new(pair, [a, b], pair.b_in_a);
+    scene.judge("cold", &answers, tally, |claims| {
+        if index.is_multiple_of(FACETS_INTERVAL) {
+            scene.judge_by_normals(claims, &answers.deep);
+            scene.judge_by_facets(claims, &answers.deep);
+        }
+    });
     match index % 4 {
         1 => {
             // The next frame with a warm cache: a tiny step, or a larger one.
             let step = [1e-9, 1e-3, 0.1][(index / 4 % 3) as usize];
             let reach = a.shape().outer_radius().min(b.shape().outer_radius());
             let shift = DVec3::new(0.6, -0.64, 0.48) * (step * reach);
-            let turn = glam::DQuat::from_xyzw(0.3 * step, 0.2 * step, -0.5 * step, 1.0);
+            let turn = DQuat::from_xyzw(0.3 * step, 0.2 * step, -0.5 * step, 1.0);
             let moved = Pose::new(pair.b_in_a.translation() + shift, turn * pair.b_in_a.rotation()).expect("finite");
             let answers = Answers::to(a, b, moved, &mut caches);
-            Scene::new(a, b, moved).judge(pair, "warm", &answers, tally);
+            Scene::new(pair, [a, b], moved).judge("warm", &answers, tally, |_| {});
         }
         // The pair seen from B: with empty caches, or with caches of the swapped pair.
         2 | 3 => {
@@ -164,36 +160,29 @@ pub fn judge_pair(pair: &BodyPair<'_, '_>, tally: &mut Tally) {
             let mut fresh = Caches::default();
             let caches = if index % 4 == 2 { &mut fresh } else { &mut caches };
             let mirrored = Answers::to(b, a, inverse, caches);
-            let back = Scene::new(b, a, inverse);
-            back.judge(pair, "mirrored", &mirrored, tally);
-            scene.compare(pair, &answers, &mirrored, &back, tally);
+            let back = Scene::new(pair, [b, a], inverse);
+            back.judge("mirrored", &mirrored, tally, |claims| scene.compare(claims, &answers, &mirrored, back.slack));
         }
         // Other ways to a contact: without tolerance, with few steps, by portal refinement alone.
         _ => {
-            let (order, deep) = other_contact(a.shape(), b.shape(), pair.b_in_a, index / 4);
-            scene.certify(pair, order, &Answers { deep, ..answers }, tally);
+            let default = Settings::default();
+            let (order, settings) = [
+                ("without tolerance", Settings { tolerance: 0.0, ..default }),
+                ("six steps", Settings { max_iterations: 6, ..default }),
+                ("portal refinement", Settings { max_iterations: 0, ..default }),
+            ][(index / 4 % 3) as usize];
+            let deep = contact(a.shape(), b.shape(), pair.b_in_a, &settings, &mut Cache::new());
+            scene.certify(order, &Answers { deep, ..answers }, tally, |_| {});
         }
-    }
-}
-
-/// A contact of the pair by a way that depends on `index`, and its name.
-fn other_contact(a: &Any<'_>, b: &Any<'_>, b_in_a: Pose, index: u64) -> (&'static str, Contact) {
-    let with = |settings: Settings| contact(a, b, b_in_a, &settings, &mut Cache::new());
-    match index % 3 {
-        0 => ("without tolerance", with(Settings { tolerance: 0.0, ..Settings::default() })),
-        1 => ("six steps", with(Settings { max_iterations: 6, ..Settings::default() })),
-        _ => ("portal refinement", with(Settings { max_iterations: 0, ..Settings::default() })),
     }
 }
 
 /// Two bodies and their pose.
 struct Scene<'s, 'p> {
+    pair: &'s BodyPair<'s, 'p>,
     a: &'s Body<'p>,
     b: &'s Body<'p>,
     b_in_a: Pose,
-    turn: DMat3,
-    unturn: DMat3,
-    shift: DVec3,
     /// Tolerance of a certificate.
     slack: f64,
     /// The solver's own bound of its rounding error.
@@ -204,15 +193,26 @@ struct Scene<'s, 'p> {
     reach: f64,
 }
 
+/// The part of an answer that contacts and distances have in common.
+struct Evidence {
+    /// 0 for a contact, 1 for a distance.
+    which: usize,
+    status: Status,
+    normal: DVec3,
+    points: [DVec3; 2],
+    /// Lower bound, value and upper bound.
+    interval: [f64; 3],
+}
+
 impl<'s, 'p> Scene<'s, 'p> {
-    fn new(a: &'s Body<'p>, b: &'s Body<'p>, b_in_a: Pose) -> Self {
-        let (turn, shift) = (DMat3::from_quat(b_in_a.rotation()), b_in_a.translation());
-        let slack = ROUNDING_UNITS * f64::EPSILON * (a.model.greatest + b.model.greatest + shift.length());
+    fn new(pair: &'s BodyPair<'s, 'p>, [a, b]: [&'s Body<'p>; 2], b_in_a: Pose) -> Self {
+        let shift = b_in_a.translation().length();
+        let slack = ROUNDING_UNITS * f64::EPSILON * (a.model.greatest + b.model.greatest + shift);
         let rounding = Minkowski::new(a.shape(), b.shape(), b_in_a).rounding_error();
         let centers = a.shape().interior_point().length() + b.shape().interior_point().length();
-        let reach = a.shape().outer_radius() + b.shape().outer_radius() + centers + shift.length();
+        let reach = a.shape().outer_radius() + b.shape().outer_radius() + centers + shift;
         let hair = TOUCHING_ROUNDINGS * rounding + TOUCHING_UNITS * f64::EPSILON * reach;
-        Self { a, b, b_in_a, turn, unturn: turn.transpose(), shift, slack, rounding, hair, reach }
+        Self { pair, a, b, b_in_a, slack, rounding, hair, reach }
     }
 
     /// How far A reaches along `n`, and B against it. The sum is the way out.
@@ -220,254 +220,212 @@ impl<'s, 'p> Scene<'s, 'p> {
         [self.a.model.reach(n), Placed::new(&self.b.model, self.b_in_a).reach(-n)]
     }
 
-    fn way_out(&self, n: DVec3) -> f64 {
-        way_out(&self.a.model, &Placed::new(&self.b.model, self.b_in_a), n)
-    }
-
-    /// Distance of a point of A's frame from A.
-    fn outside_a(&self, p: DVec3) -> f64 {
-        self.a.model.outside(p)
-    }
-
-    fn outside_b(&self, p: DVec3) -> f64 {
-        self.b.model.outside(self.unturn * (p - self.shift))
-    }
-
-    fn wrong(
-        &self,
-        pair: &BodyPair<'_, '_>,
-        what: &'static str,
-        order: &str,
-        answers: &Answers,
-        more: String,
-        tally: &mut Tally,
-    ) {
-        let Answers { yes, deep, near } = answers;
-        let (slack, rounding) = (self.slack, self.rounding);
-        let details = format!(
-            "{pair}\n  {order}, at {:?}\n  {yes:?}\n  {deep:?}\n  {near:?}\n  slack {slack:e}, rounding {rounding:e}, {more}",
-            self.b_in_a
-        );
-        tally.take_wrong(Wrong { index: pair.index, what, details });
-    }
-
-    fn judge(&self, pair: &BodyPair<'_, '_>, order: &str, answers: &Answers, tally: &mut Tally) {
+    /// Counts and certifies the answers; `more` are further claims about them.
+    fn judge(&self, order: &str, answers: &Answers, tally: &mut Tally, more: impl FnOnce(&mut Claims<'_>)) {
         let Answers { yes, deep, near } = answers;
         tally.judged += 1;
         tally.count(yes, deep, near);
-        tally.fingerprint = tally.fingerprint.wrapping_add(answers.hash().rotate_left((pair.index % 63) as u32));
-        self.certify(pair, order, answers, tally);
+        tally.fingerprint = tally.fingerprint.wrapping_add(answers.hash().rotate_left((self.pair.index % 63) as u32));
+        self.certify(order, answers, tally, more);
     }
 
     /// The certificates of [`judge`](Self::judge), without the counts.
-    fn certify(&self, pair: &BodyPair<'_, '_>, order: &str, answers: &Answers, tally: &mut Tally) {
+    fn certify(&self, order: &str, answers: &Answers, tally: &mut Tally, more: impl FnOnce(&mut Claims<'_>)) {
         let Answers { yes, deep, near } = answers;
-        let mut tightest = 0.0_f64;
-        let mut wrong: Option<(&'static str, f64, f64)> = None;
-        // NaN takes the failing branch.
-        let mut at_most = |what: &'static str, found: f64, limit: f64, slack: f64| {
-            if !(found <= limit + slack) {
-                wrong.get_or_insert((what, found, limit));
-            } else if slack > 0.0 {
-                tightest = tightest.max((found - limit) / slack);
-            }
-        };
-        let slack = self.slack;
-        let [way_deep, way_near] = [self.judge_contact(deep, &mut at_most), self.judge_distance(near, &mut at_most)];
-        for counts in [
-            [yes.iterations, yes.support_calls],
-            [deep.iterations, deep.support_calls],
-            [near.iterations, near.support_calls],
-        ] {
-            at_most("a limit is exceeded", counts[0].max(counts[1]).into(), MAX_STEPS.into(), 0.0);
-        }
+        let mut claims = Claims::uncounted("pairs", tally);
+        let [way_deep, way_near] = [self.judge_contact(&mut claims, deep), self.judge_distance(&mut claims, near)];
+        let steps = [yes.iterations, deep.iterations, near.iterations];
+        let calls = [yes.support_calls, deep.support_calls, near.support_calls];
+        let most = steps.into_iter().chain(calls).max().unwrap_or(0);
+        claims.demand("a limit is exceeded", most <= MAX_STEPS);
 
-        // A claim proved by one answer must not be denied by another.
-        let gap = -way_deep.min(way_near);
-        let depth_lower = deep.depth_lower;
-        if depth_lower > 0.0 {
-            at_most("the depth's lower bound is above another way out", depth_lower, way_near, slack);
+        // A claim proved by one answer must not be denied by another. Within the rounding error, a
+        // hit may be false.
+        let (gap, depth, hair) = (-way_deep.min(way_near), deep.depth_lower, self.hair);
+        let false_touch = hair + FALSE_TOUCH * self.reach;
+        let is_settled = !matches!(deep.status, Status::IterationLimit | Status::Stalled);
+        for (is_claimed, what, found, limit) in [
+            (depth > 0.0, "the depth's lower bound is above another way out", depth, way_near),
+            (yes.status == Overlap::Separated, "intersects reports separated, contact reports a depth", depth, 0.0),
+            (
+                yes.status == Overlap::Overlapping,
+                "intersects reports overlapping, an axis separates",
+                gap,
+                self.rounding,
+            ),
+            (near.status == Status::Overlapping, "distance reports overlapping, an axis separates", gap, self.rounding),
+            (yes.status == Overlap::Touching, "intersects reports touching, an axis separates", gap, false_touch),
+            (yes.status == Overlap::Touching, "intersects reports touching, contact reports a depth", depth, hair),
+            (deep.hit && is_settled, "contact hits, an axis separates", gap, false_touch),
+            (
+                near.status == Status::Touching,
+                "distance reports touching, an axis separates",
+                gap,
+                near.upper.max(hair),
+            ),
+            (near.status == Status::Touching, "distance reports touching, contact reports a depth", depth, hair),
+            (near.lower > 0.0, "distance reports separated, contact reports a depth", depth, 0.0),
+        ] {
+            if is_claimed {
+                claims.at_most(what, found, limit, self.slack);
+            }
         }
-        if yes.status == Overlap::Separated {
-            at_most("intersects reports separated, contact reports a depth", depth_lower, 0.0, slack);
-        }
-        if yes.status == Overlap::Overlapping {
-            at_most("intersects reports overlapping, an axis separates", gap, self.rounding, slack);
-        }
-        if near.status == Status::Overlapping {
-            at_most("distance reports overlapping, an axis separates", gap, self.rounding, slack);
-        }
-        // Within the rounding error, a hit may be false.
-        let hair = self.hair;
-        if yes.status == Overlap::Touching {
-            at_most("intersects reports touching, an axis separates", gap, hair + FALSE_TOUCH * self.reach, slack);
-            at_most("intersects reports touching, contact reports a depth", depth_lower, hair, slack);
-        }
-        if deep.hit && !matches!(deep.status, Status::IterationLimit | Status::Stalled) {
-            at_most("contact hits, an axis separates", gap, hair + FALSE_TOUCH * self.reach, slack);
-        }
-        if near.status == Status::Touching {
-            at_most("distance reports touching, an axis separates", gap, near.upper.max(hair), slack);
-            at_most("distance reports touching, contact reports a depth", depth_lower, hair, slack);
-        }
-        if near.lower > 0.0 {
-            at_most("distance reports separated, contact reports a depth", depth_lower, 0.0, slack);
-        }
-        tally.tightest = tally.tightest.max(tightest);
-        if let Some((what, found, limit)) = wrong {
-            let more = format!("found {found:e}, limit {limit:e}, ways out {way_deep:e} {way_near:e}");
-            self.wrong(pair, what, order, answers, more, tally);
+        more(&mut claims);
+        claims.finish(self.pair, || {
+            let (slack, rounding) = (self.slack, self.rounding);
+            format!(
+                "{order}, at {:?}\n  {yes:?}\n  {deep:?}\n  {near:?}\n  slack {slack:e}, rounding {rounding:e}, ways out \
+                 {way_deep:e} {way_near:e}",
+                self.b_in_a
+            )
+        });
+    }
+
+    /// The normal, the points and the interval. Returns how far the shapes reach along the normal.
+    fn judge_evidence(&self, claims: &mut Claims<'_>, evidence: &Evidence) -> [f64; 2] {
+        let Evidence { which, normal, points: [on_a, on_b], interval: [lower, value, upper], .. } = *evidence;
+        let [unit, in_a, in_b, negative, outside] = [
+            [
+                "the contact's normal is not of unit length",
+                "the contact's point is not in A",
+                "the contact's point is not in B",
+                "the depth's lower bound is negative",
+                "the depth is not in its interval",
+            ],
+            [
+                "the distance's normal is not of unit length",
+                "the distance's point is not in A",
+                "the distance's point is not in B",
+                "the distance's lower bound is negative",
+                "the distance is not in its interval",
+            ],
+        ][which];
+        claims.at_most(unit, (normal.length() - 1.0).abs(), UNIT, 0.0);
+        claims.at_most(in_a, self.a.model.outside(on_a), 0.0, self.slack);
+        let local_b = self.b_in_a.inverse().transform_point(on_b);
+        claims.at_most(in_b, self.b.model.outside(local_b), 0.0, self.slack);
+        claims.demand(negative, lower >= 0.0);
+        claims.ordered(outside, [lower, value, upper]);
+        self.reaches(normal)
+    }
+
+    /// The points are on the support planes of the normal.
+    fn judge_surfaces(&self, claims: &mut Claims<'_>, evidence: &Evidence, reaches: [f64; 2], slack: f64) {
+        let Evidence { which, normal, points: [on_a, on_b], interval: [lower, _, upper], .. } = *evidence;
+        let [of_a, of_b] = [
+            ["the contact's point is not on the surface of A", "the contact's point is not on the surface of B"],
+            ["the distance's point is not on the surface of A", "the distance's point is not on the surface of B"],
+        ][which];
+        claims.at_most(of_a, reaches[0] - normal.dot(on_a), upper - lower, slack);
+        claims.at_most(of_b, reaches[1] + normal.dot(on_b), upper - lower, slack);
+    }
+
+    /// The interval is as narrow as the status says.
+    fn judge_width(&self, claims: &mut Claims<'_>, evidence: &Evidence) {
+        let Evidence { which, status, interval: [lower, value, upper], .. } = *evidence;
+        let [exact, within, touching] = [
+            ["an exact depth is wide", "a depth is wider than its status", "touching has a depth"],
+            ["an exact distance is wide", "a distance is wider than its status", "touching has a distance"],
+        ][which];
+        let (width, hair) = (upper - lower, self.hair);
+        match status {
+            Status::Exact => claims.at_most(exact, width, hair, self.slack),
+            Status::Within => claims.at_most(within, width, Settings::DEFAULT_TOLERANCE * upper + hair, self.slack),
+            Status::Touching => {
+                claims.demand(touching, value + lower <= 0.0);
+                let far = if which == 0 { 0.0 } else { TOUCHING_POINTS * self.reach };
+                claims.at_most("touching is deep or far", upper, hair + far, self.slack);
+            }
+            _ => {}
         }
     }
 
     /// The contact's own claims. Returns the way out along its normal.
-    fn judge_contact(&self, c: &Contact, at_most: &mut impl FnMut(&'static str, f64, f64, f64)) -> f64 {
-        let slack = self.slack;
-        let reaches = self.reaches(c.normal);
+    fn judge_contact(&self, claims: &mut Claims<'_>, c: &Contact) -> f64 {
+        let (slack, hair) = (self.slack, self.hair);
+        let interval = [c.depth_lower, c.depth, c.depth_upper];
+        let points = [c.point_a, c.point_b];
+        let evidence = Evidence { which: 0, status: c.status, normal: c.normal, points, interval };
+        let reaches = self.judge_evidence(claims, &evidence);
         let way = reaches[0] + reaches[1];
-        at_most("the contact's normal is not of unit length", (c.normal.length() - 1.0).abs(), UNIT, 0.0);
-        at_most("the contact's point is not in A", self.outside_a(c.point_a), 0.0, slack);
-        at_most("the contact's point is not in B", self.outside_b(c.point_b), 0.0, slack);
         if !c.hit {
-            at_most("the contact's axis does not separate", way, 0.0, slack);
-            at_most("a miss has a depth", c.depth.max(c.depth_lower).max(c.depth_upper), 0.0, 0.0);
-            at_most("a miss has another status than separated", f64::from(c.status != Status::Separated), 0.0, 0.0);
+            claims.at_most("the contact's axis does not separate", way, 0.0, slack);
+            claims.demand("a miss has a depth", interval.iter().all(|depth| *depth <= 0.0));
+            claims.demand("a miss has another status than separated", c.status == Status::Separated);
             return way;
         }
-        let impossible = matches!(c.status, Status::Separated | Status::Overlapping);
-        at_most("a hit has an impossible status", f64::from(impossible), 0.0, 0.0);
-        at_most("the depth's lower bound is negative", -c.depth_lower, 0.0, 0.0);
-        at_most("the depth is not in its interval", c.depth_lower, c.depth, 0.0);
-        at_most("the depth is not in its interval", c.depth, c.depth_upper, 0.0);
-        at_most("the contact's normal is not the way out", way, c.depth_upper, slack);
-        if c.depth_lower > 0.0 {
-            at_most("the depth's lower bound is above the way out", c.depth_lower, way, slack);
-        }
-        let (width, hair) = (c.depth_upper - c.depth_lower, self.hair);
+        claims.demand("a hit has an impossible status", !matches!(c.status, Status::Separated | Status::Overlapping));
+        claims.at_most("the contact's normal is not the way out", way, c.depth_upper, slack);
+        let width = c.depth_upper - c.depth_lower;
         let between = c.point_a - c.point_b;
         let (along, slack_along) = (between.dot(c.normal), slack + 2.0 * self.rounding);
-        at_most("the contact's points are deeper than the depth", along, c.depth_upper, slack_along);
+        claims.at_most("the contact's points are deeper than the depth", along, c.depth_upper, slack_along);
         if c.depth_lower > 0.0 {
-            at_most("the contact's points are less deep than the depth", c.depth_lower, along, slack_along);
+            claims.at_most("the depth's lower bound is above the way out", c.depth_lower, way, slack);
+            claims.at_most("the contact's points are less deep than the depth", c.depth_lower, along, slack_along);
         }
         // Points of a pair that may not penetrate may be farther from the surfaces than the depth.
         let settled = matches!(c.status, Status::Exact | Status::Within);
         if c.depth_lower > 0.0 || settled || c.status == Status::Touching {
-            let slack = if settled { slack_along } else { slack + hair };
-            for (what, inside) in [
-                ("the contact's point is not on the surface of A", reaches[0] - c.normal.dot(c.point_a)),
-                ("the contact's point is not on the surface of B", reaches[1] + c.normal.dot(c.point_b)),
-            ] {
-                at_most(what, inside, width, slack);
-            }
+            self.judge_surfaces(claims, &evidence, reaches, if settled { slack_along } else { slack + hair });
         }
         let beside = between.distance(c.normal * along);
-        match c.status {
-            Status::Exact | Status::Within => {
-                at_most("the contact's points are not opposite each other", beside, width, slack_along);
-            }
-            Status::Touching => at_most("the points of a touch are apart", between.length(), width, slack + hair),
-            // The status states this.
-            _ => {}
+        if settled {
+            claims.at_most("the contact's points are not opposite each other", beside, width, slack_along);
+        } else if c.status == Status::Touching {
+            claims.at_most("the points of a touch are apart", between.length(), width, slack + hair);
         }
-        match c.status {
-            Status::Exact => at_most("an exact depth is wide", width, hair, slack),
-            Status::Within => {
-                at_most(
-                    "a depth is wider than its status",
-                    width,
-                    Settings::DEFAULT_TOLERANCE * c.depth_upper + hair,
-                    slack,
-                );
-            }
-            Status::Touching => {
-                at_most("touching has a depth", c.depth + c.depth_lower, 0.0, 0.0);
-                at_most("touching is deep", c.depth_upper, hair, slack);
-            }
-            _ => {}
-        }
+        self.judge_width(claims, &evidence);
         way
     }
 
     /// The distance's own claims. Returns the way out along its normal.
-    fn judge_distance(&self, d: &Distance, at_most: &mut impl FnMut(&'static str, f64, f64, f64)) -> f64 {
+    fn judge_distance(&self, claims: &mut Claims<'_>, d: &Distance) -> f64 {
         let slack = self.slack;
-        let reaches = self.reaches(d.normal);
+        let (interval, points) = ([d.lower, d.distance, d.upper], [d.point_a, d.point_b]);
+        let evidence = Evidence { which: 1, status: d.status, normal: d.normal, points, interval };
+        let reaches = self.judge_evidence(claims, &evidence);
         let way = reaches[0] + reaches[1];
-        at_most("the distance's normal is not of unit length", (d.normal.length() - 1.0).abs(), UNIT, 0.0);
-        at_most("the distance's point is not in A", self.outside_a(d.point_a), 0.0, slack);
-        at_most("the distance's point is not in B", self.outside_b(d.point_b), 0.0, slack);
-        at_most("the distance's lower bound is negative", -d.lower, 0.0, 0.0);
-        at_most("the distance is not in its interval", d.lower, d.distance, 0.0);
-        at_most("the distance is not in its interval", d.distance, d.upper, 0.0);
         let between = d.point_b - d.point_a;
         let (apart, along, slack_along) = (between.length(), between.dot(d.normal), slack + 2.0 * self.rounding);
-        match d.status {
-            Status::Overlapping => {
-                at_most("an overlap has a distance", d.upper, 0.0, 0.0);
-                at_most("the common point is two", apart, self.hair, slack);
-                return way;
-            }
-            Status::Separated => at_most("a distance has an impossible status", 1.0, 0.0, 0.0),
-            _ => {}
+        if d.status == Status::Overlapping {
+            claims.demand("an overlap has a distance", d.upper <= 0.0);
+            claims.at_most("the common point is two", apart, self.hair, slack);
+            return way;
         }
-        at_most("the distance's points are farther apart than its upper bound", apart, d.upper, slack);
-        at_most("the distance's points are nearer than its lower bound", d.lower, apart, slack);
-        if d.lower > 0.0 {
-            at_most("the distance's points are nearer along the normal", d.lower, along, slack_along);
-        }
+        claims.demand("a distance has an impossible status", d.status != Status::Separated);
+        claims.at_most("the distance's points are farther apart than its upper bound", apart, d.upper, slack);
+        claims.at_most("the distance's points are nearer than its lower bound", d.lower, apart, slack);
         // The balls around the shapes give another bound.
-        let centers = self.a.shape().interior_point() - (self.turn * self.b.shape().interior_point() + self.shift);
-        let by_balls = centers.length() - self.a.shape().outer_radius() - self.b.shape().outer_radius();
+        let (a, b) = (self.a.shape(), self.b.shape());
+        let centers = a.interior_point().distance(self.b_in_a.transform_point(b.interior_point()));
+        let by_balls = centers - a.outer_radius() - b.outer_radius();
         if d.lower > 0.0 {
-            at_most("the distance's lower bound is above the planes' gap", d.lower, (-way).max(by_balls), slack);
+            claims.at_most("the distance's points are nearer along the normal", d.lower, along, slack_along);
+            claims.at_most("the distance's lower bound is above the planes' gap", d.lower, (-way).max(by_balls), slack);
         }
-        let (width, hair) = (d.upper - d.lower, self.hair);
         // The normal comes from planes, unless the balls prove the bound.
         if matches!(d.status, Status::Exact | Status::Within) && d.lower > by_balls.max(0.0) {
-            for (what, inside) in [
-                ("the distance's point is not on the surface of A", reaches[0] - d.normal.dot(d.point_a)),
-                ("the distance's point is not on the surface of B", reaches[1] + d.normal.dot(d.point_b)),
-            ] {
-                at_most(what, inside, width, slack_along);
-            }
+            self.judge_surfaces(claims, &evidence, reaches, slack_along);
         }
-        match d.status {
-            Status::Exact => at_most("an exact distance is wide", width, hair, slack),
-            Status::Within => {
-                at_most(
-                    "a distance is wider than its status",
-                    width,
-                    Settings::DEFAULT_TOLERANCE * d.upper + hair,
-                    slack,
-                );
-            }
-            Status::Touching => {
-                at_most("touching has a distance", d.distance + d.lower, 0.0, 0.0);
-                at_most("touching is far", d.upper, hair + TOUCHING_POINTS * self.reach, slack);
-            }
-            _ => {}
-        }
+        self.judge_width(claims, &evidence);
         way
     }
 
     /// The depth against the ways out along all face normals.
-    fn judge_by_normals(&self, pair: &BodyPair<'_, '_>, answers: &Answers, tally: &mut Tally) {
-        tally.normals += 1;
-        let deep = &answers.deep;
-        let of_b = self.b.model.face_normals().map(|n| -(self.turn * n));
-        for n in self.a.model.face_normals().chain(of_b) {
-            let way = self.way_out(n);
-            if deep.depth_lower > 0.0 && !(deep.depth_lower <= way + self.slack) {
-                let more = format!("way out {way:e} along {n}");
-                self.wrong(pair, "the depth's lower bound is above a face's way out", "cold", answers, more, tally);
-                return;
-            }
+    fn judge_by_normals(&self, claims: &mut Claims<'_>, deep: &Contact) {
+        claims.tally.normals += 1;
+        let of_b = self.b.model.face_normals().map(|n| -self.b_in_a.transform_vector(n));
+        for n in self.a.model.face_normals().chain(of_b).filter(|_| deep.depth_lower > 0.0) {
+            let way = self.reaches(n).iter().sum();
+            claims.at_most("the depth's lower bound is above a face's way out", deep.depth_lower, way, self.slack);
         }
     }
 
-    /// The depth against all facets of the Minkowski difference.
-    fn judge_by_facets(&self, pair: &BodyPair<'_, '_>, answers: &Answers, tally: &mut Tally) {
+    /// The depth against all facets of the Minkowski difference. The upper bound and a miss have
+    /// their own certificates. The facets' normals are not all directions if a polygon is flat only
+    /// up to rounding.
+    fn judge_by_facets(&self, claims: &mut Claims<'_>, deep: &Contact) {
         let (Solid::Hull(a), Solid::Hull(b)) = (&self.a.solid, &self.b.solid) else { return };
         if a.rank() < 2 || b.rank() < 2 {
             return;
@@ -476,47 +434,29 @@ impl<'s, 'p> Scene<'s, 'p> {
         if a.edges.len() * b.edges.len() > MAX_EDGE_PAIRS {
             return;
         }
-        tally.facets += 1;
-        let (depth, axis) = signed_depth(&a, &b, -4.0 * self.slack);
-        let deep = &answers.deep;
-        let hair = self.hair;
-        // The upper bound and a miss have their own certificates. The facets' normals are not all
-        // directions if a polygon is flat only up to rounding.
-        let fits = !deep.hit
-            || deep.depth_lower <= depth.max(0.0) + self.slack
-                && (depth >= -hair - FALSE_TOUCH * self.reach
-                    || matches!(deep.status, Status::IterationLimit | Status::Stalled));
-        if !fits {
-            let more = format!("depth by facets {depth:e} along {axis}");
-            self.wrong(pair, "the depth differs from the facets'", "cold", answers, more, tally);
+        claims.tally.facets += 1;
+        let (depth, _) = signed_depth(&a, &b, -4.0 * self.slack);
+        if deep.hit {
+            claims.at_most("the depth differs from the facets'", deep.depth_lower, depth.max(0.0), self.slack);
+        }
+        if deep.hit && !matches!(deep.status, Status::IterationLimit | Status::Stalled) {
+            claims.at_most("contact hits, a facet separates", -depth, self.hair + FALSE_TOUCH * self.reach, 0.0);
         }
     }
 
     /// The same pair seen from the other side: the intervals have a point in common.
-    fn compare(
-        &self,
-        pair: &BodyPair<'_, '_>,
-        here: &Answers,
-        there: &Answers,
-        back: &Scene<'_, '_>,
-        tally: &mut Tally,
-    ) {
-        let slack = self.slack + back.slack;
-        let meet = |p: [f64; 2], q: [f64; 2]| p[0] <= q[1] + slack && q[0] <= p[1] + slack;
-        let depth = |c: &Contact| [c.depth_lower, c.depth_upper];
-        let gap = |d: &Distance| [d.lower, d.upper];
-        let hair = self.hair;
-        let what = if !meet(depth(&here.deep), depth(&there.deep)) {
-            "the mirrored depth differs"
-        } else if !meet(gap(&here.near), gap(&there.near)) {
-            "the mirrored distance differs"
-        } else if here.deep.hit != there.deep.hit && here.deep.depth_lower.max(there.deep.depth_lower) > hair {
-            "the mirrored contact differs"
-        } else {
-            return;
-        };
-        let more = format!("mirrored {there:?}");
-        self.wrong(pair, what, "cold", here, more, tally);
+    fn compare(&self, claims: &mut Claims<'_>, here: &Answers, there: &Answers, slack_back: f64) {
+        let slack = self.slack + slack_back;
+        let depth = |answers: &Answers| [answers.deep.depth_lower, answers.deep.depth_upper];
+        let gap = |answers: &Answers| [answers.near.lower, answers.near.upper];
+        for (what, p, q) in [
+            ("the mirrored depth differs", depth(here), depth(there)),
+            ("the mirrored distance differs", gap(here), gap(there)),
+        ] {
+            claims.at_most(what, p[0].max(q[0]), p[1].min(q[1]), slack);
+        }
+        let is_clear = here.deep.depth_lower.max(there.deep.depth_lower) > self.hair;
+        claims.demand("the mirrored contact differs", here.deep.hit == there.deep.hit || !is_clear);
     }
 }
 
@@ -535,11 +475,11 @@ mod tests {
             let pair = bodies.pair(20_261_121, index);
             let [a, b] = pair.bodies;
             let right = Answers::to(a, b, pair.b_in_a, &mut Caches::default());
-            let scene = Scene::new(a, b, pair.b_in_a);
+            let scene = Scene::new(&pair, [a, b], pair.b_in_a);
             let wrong = |change: &dyn Fn(&mut Answers)| {
                 let (mut answers, mut tally) = (right, Tally::default());
                 change(&mut answers);
-                scene.certify(&pair, "changed", &answers, &mut tally);
+                scene.certify("changed", &answers, &mut tally, |_| {});
                 !tally.wrong.is_empty()
             };
             assert!(!wrong(&|_| {}), "{pair}");

@@ -20,6 +20,7 @@ use hullmap::{
 use hullmap_testkit::{
     entry::{Passage, passage},
     polytope::Polytope,
+    random::RandomPoses,
     reach::{Placed, Reach, way_out},
 };
 use shapes::rng::SplitMix64;
@@ -55,6 +56,19 @@ struct Answer {
     steps: u32,
 }
 
+impl From<Impact> for Answer {
+    fn from(found: Impact) -> Self {
+        let Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = found;
+        Self { hit, status, t: [t_lower, t, t_upper], normal, steps: iterations.max(support_calls) }
+    }
+}
+
+/// The fields that rays and casts share.
+fn as_impact(found: RayHit) -> Impact {
+    let RayHit { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = found;
+    Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, ..Impact::default() }
+}
+
 /// A path that B, or a point, takes in A's frame.
 struct Path {
     start: Pose,
@@ -85,23 +99,23 @@ fn direction(rng: &mut SplitMix64, body: &Body<'_>) -> DVec3 {
         1 => body.model.face_normal(index).map(|n| -n),
         2 => body.model.edge(index, 0.5).map(|(along, _)| along),
         // Along a face.
-        3 => body.model.face_normal(index).map(|n| n.cross(DVec3::from_array(rng.direction()))),
+        3 => body.model.face_normal(index).map(|n| n.cross(rng.unit_vector())),
         _ => None,
     };
     let found = found.filter(|d| d.is_finite() && d.length() > 1e-3);
-    found.unwrap_or_else(|| DVec3::from_array(rng.direction()))
+    found.unwrap_or_else(|| rng.unit_vector())
 }
 
 /// A point of the body, or near it.
 fn target(rng: &mut SplitMix64, body: &Body<'_>) -> DVec3 {
-    let corner = |rng: &mut SplitMix64| support(body, DVec3::from_array(rng.direction()));
+    let corner = |rng: &mut SplitMix64| support(body, rng.unit_vector());
     match rng.below(8) {
         0 => corner(rng),
         1 => corner(rng).lerp(corner(rng), rng.between(0.0, 1.0)),
         2 => (corner(rng) + corner(rng) + corner(rng)) / 3.0,
         3 => body.shape().interior_point(),
-        4 => corner(rng) + DVec3::from_array(rng.direction()) * (size(body) * 1e-9),
-        _ => body.shape().interior_point() + DVec3::from_array(rng.direction()) * (size(body) * rng.between(0.0, 1.2)),
+        4 => corner(rng) + rng.unit_vector() * (size(body) * 1e-9),
+        _ => body.shape().interior_point() + rng.unit_vector() * (size(body) * rng.between(0.0, 1.2)),
     }
 }
 
@@ -133,9 +147,9 @@ fn settings(rng: &mut SplitMix64, path: &Path) -> CastSettings {
 /// both.
 fn judge_form(judge: &mut Claims<'_>, answer: &Answer, path: &Path, settings: &CastSettings, radii: f64) {
     let Answer { hit, status, t: [lower, t, upper], normal, steps } = *answer;
-    *judge.tally.lines.entry(status.as_str()).or_default() += 1;
+    judge.tally.note(status.as_str());
     judge.demand("the steps are not bounded", steps <= MAX_STEPS);
-    judge.at_most("the normal has no unit length", (normal.length() - 1.0).abs(), 0.0, 1e-14);
+    judge.unit(normal);
     judge.demand("hit and status contradict each other", hit == (status != Status::Separated));
     if hit {
         judge.demand("t is not in its own interval", 0.0 <= lower && lower <= t && t <= upper);
@@ -155,6 +169,20 @@ fn judge_form(judge: &mut Claims<'_>, answer: &Answer, path: &Path, settings: &C
     }
     if status == Status::Overlapping {
         judge.demand("an overlap later than the start", upper == 0.0);
+    }
+}
+
+/// At the lower bound of t, the shapes are `way` from leaving each other along the normal. At t, the
+/// points are so far inside of their shapes.
+fn judge_planes(judge: &mut Claims<'_>, answer: &Answer, path: &Path, way: f64, inside: &[(&'static str, f64)]) {
+    let [lower, _, upper] = answer.t;
+    // A path that starts inside of the shape meets its surface nowhere, which the status need not
+    // reflect.
+    if answer.hit && lower > 0.0 {
+        judge.at_most("the normal does not separate", way, 0.0, path.slack);
+        for (what, inside) in inside.iter().filter(|_| answer.status != Status::Touching) {
+            judge.at_most(what, *inside, (upper - lower) * path.velocity.length(), path.slack);
+        }
     }
 }
 
@@ -189,48 +217,24 @@ pub(super) fn judge_ray(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &m
         Solid::Hull(hull) => ray(hull, &line, &settings),
         Solid::Shape(_) => ray(shape, &line, &settings),
     };
-    let answer = Answer {
-        hit: found.hit,
-        status: found.status,
-        t: [found.t_lower, found.t, found.t_upper],
-        normal: found.normal,
-        steps: found.iterations.max(found.support_calls),
-    };
-    let mut judge = Claims { wrong: None, tightest: 0.0, queries: "rays", tally };
+    let answer = as_impact(found).into();
+    let mut judge = Claims::new("rays", tally);
     judge_form(&mut judge, &answer, &path, &settings, shape.outer_radius());
-    let as_impact = |found: RayHit| {
-        let RayHit { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, .. } = found;
-        Impact { hit, status, t, t_lower, t_upper, normal, iterations, support_calls, ..Impact::default() }
-    };
     same_when_slow(&mut judge, rng, &as_impact(found), path.velocity, &settings, |velocity, settings| {
         as_impact(ray(shape, &Ray::new(origin, velocity).expect("finite"), settings))
     });
-    let model = &body.model;
-    // How far the shape may be from the point, because t is known to within its interval only.
-    let width = (found.t_upper - found.t_lower) * path.velocity.length();
-    if found.hit {
-        if found.t_lower > 0.0 {
-            let at = line.point_at(found.t_lower);
-            judge.at_most(
-                "the normal does not separate",
-                model.reach(found.normal) - found.normal.dot(at),
-                0.0,
-                path.slack,
-            );
-        }
-        // The time of a grazing ray may be cut off at the limit. In the plane of a sliver, rounding
-        // error leaves no better time than any in the interval.
-        let is_free = path.limit == f64::INFINITY && !is_thin(body);
-        if found.status != Status::Touching || is_free {
-            let slack = path.slack + 2.0 * shape.support_error();
-            judge.at_most("the point is not in the shape", model.outside(found.point), width, slack);
-        }
-        // A path that starts inside of the shape meets its surface nowhere, which the status need
-        // not reflect.
-        if found.t_lower > 0.0 && found.status != Status::Touching {
-            let inside = model.reach(found.normal) - found.normal.dot(found.point);
-            judge.at_most("the point is not on the shape", inside, width, path.slack);
-        }
+    let (model, normal) = (&body.model, found.normal);
+    let way = model.reach(normal) - normal.dot(line.point_at(found.t_lower));
+    let inside = model.reach(normal) - normal.dot(found.point);
+    judge_planes(&mut judge, &answer, &path, way, &[("the point is not on the shape", inside)]);
+    // The time of a grazing ray may be cut off at the limit. In the plane of a sliver, rounding
+    // error leaves no better time than any in the interval.
+    let is_free = path.limit == f64::INFINITY && !is_thin(body);
+    if found.hit && (found.status != Status::Touching || is_free) {
+        // The shape may be that far from the point, because t is known to within its interval only.
+        let width = (found.t_upper - found.t_lower) * path.velocity.length();
+        let slack = path.slack + 2.0 * shape.support_error();
+        judge.at_most("the point is not in the shape", model.outside(found.point), width, slack);
     }
     let mut truth = Passage::UNBOUNDED;
     truth.clip(found.normal.dot(path.velocity), model.reach(found.normal) - found.normal.dot(origin), path.slack);
@@ -263,14 +267,8 @@ pub(super) fn judge_cast(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &
         (Solid::Hull(a), Solid::Hull(b)) => cast(a, b, path.start, motion, &settings, &mut cache),
         _ => cast(a.shape(), b.shape(), path.start, motion, &settings, &mut cache),
     };
-    let answer = Answer {
-        hit: found.hit,
-        status: found.status,
-        t: [found.t_lower, found.t, found.t_upper],
-        normal: found.normal,
-        steps: found.iterations.max(found.support_calls),
-    };
-    let mut judge = Claims { wrong: None, tightest: 0.0, queries: "casts", tally };
+    let answer = found.into();
+    let mut judge = Claims::new("casts", tally);
     judge_form(&mut judge, &answer, &path, &settings, a.shape().outer_radius() + b.shape().outer_radius());
     if is_cold {
         same_when_slow(&mut judge, rng, &found, path.velocity, &settings, |velocity, settings| {
@@ -279,36 +277,22 @@ pub(super) fn judge_cast(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &
         });
     }
     let at = |t: f64| Pose::new(path.start.translation() + path.velocity * t, path.start.rotation()).expect("finite");
-    let rounding = Minkowski::new(a.shape(), b.shape(), path.start).rounding_error();
-    let hair = TOUCHING_ROUNDINGS * rounding;
-    let width = (found.t_upper - found.t_lower) * path.velocity.length();
     let way = |t: f64, n: DVec3| way_out(&a.model, &Placed::new(&b.model, at(t)), n);
     if found.hit {
-        if found.t_lower > 0.0 {
-            judge.at_most("the normal does not separate", way(found.t_lower, found.normal), 0.0, path.slack);
-        }
+        let n = found.normal;
+        let on_b = Placed::new(&b.model, at(found.t)).reach(-n) + n.dot(found.point_b);
+        let inside =
+            [("the point is not on A", a.model.reach(n) - n.dot(found.point_a)), ("the point is not on B", on_b)];
+        judge_planes(&mut judge, &answer, &path, way(found.t_lower, n), &inside);
         let in_b = at(found.t).inverse().transform_point(found.point_b);
-        for (what, outside) in [
-            ("the point is not in A", a.model.outside(found.point_a)),
-            ("the point is not in B", b.model.outside(in_b)),
-        ] {
-            judge.at_most(what, outside, 0.0, path.slack);
-        }
+        judge.at_most("the point is not in A", a.model.outside(found.point_a), 0.0, path.slack);
+        judge.at_most("the point is not in B", b.model.outside(in_b), 0.0, path.slack);
         let apart = found.point_a.distance(found.point_b);
-        match found.status {
-            Status::Touching => {}
-            // The common point of a path that starts inside.
-            _ if found.t_upper == 0.0 => judge.at_most("the points are not one", apart, hair, path.slack),
-            _ => judge.at_most("the points are not one", apart, width, path.slack),
-        }
-        if found.t_lower > 0.0 && found.status != Status::Touching {
-            let n = found.normal;
-            let on_b = Placed::new(&b.model, at(found.t)).reach(-n) + n.dot(found.point_b);
-            for (what, inside) in
-                [("the point is not on A", a.model.reach(n) - n.dot(found.point_a)), ("the point is not on B", on_b)]
-            {
-                judge.at_most(what, inside, width, path.slack);
-            }
+        // The common point of a path that starts inside.
+        let hair = TOUCHING_ROUNDINGS * Minkowski::new(a.shape(), b.shape(), path.start).rounding_error();
+        let width = (found.t_upper - found.t_lower) * path.velocity.length();
+        if found.status != Status::Touching {
+            judge.at_most("the points are not one", apart, if found.t_upper == 0.0 { hair } else { width }, path.slack);
         }
     }
     // Where the pair certainly overlaps at some time, it was hit before.
@@ -320,10 +304,9 @@ pub(super) fn judge_cast(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &
             !found.hit || found.t_lower <= path.through * (1.0 + 1e-15),
         );
     }
-    let start = |n: DVec3| way_out(&a.model, &Placed::new(&b.model, path.start), n);
     let mut truth = Passage::UNBOUNDED;
     for n in [found.normal, deep.normal] {
-        truth.clip(n.dot(path.velocity), start(n), path.slack);
+        truth.clip(n.dot(path.velocity), way(0.0, n), path.slack);
     }
     let is_complete = clip_by_facets(a, b, &path, &mut truth);
     judge.tally.facets += u64::from(is_complete);
@@ -355,7 +338,7 @@ pub(super) fn judge_point(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: 
     let settings = Settings::default();
     let mut cache = Cache::new();
     if rng.below(2) == 0 {
-        let beside = point + DVec3::from_array(rng.direction()) * (0.01 * size(body));
+        let beside = point + rng.unit_vector() * (0.01 * size(body));
         signed_distance(body.shape(), beside, &settings, &mut cache).expect("finite");
     }
     let found = match &body.solid {
@@ -366,12 +349,12 @@ pub(super) fn judge_point(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: 
     let model = &body.model;
     let greatest = model.greatest + point.length();
     let slack = ROUNDING_UNITS * f64::EPSILON * greatest;
-    let mut judge = Claims { wrong: None, tightest: 0.0, queries: "points", tally };
-    *judge.tally.lines.entry(found.status.as_str()).or_default() += 1;
+    let mut judge = Claims::new("points", tally);
+    judge.tally.note(found.status.as_str());
     judge.demand("the steps are not bounded", found.iterations.max(found.support_calls) <= MAX_STEPS);
     judge.demand("a status about overlap", !matches!(found.status, Status::Separated | Status::Overlapping));
-    judge.demand("not in its own interval", found.lower <= found.distance && found.distance <= found.upper);
-    judge.at_most("the normal has no unit length", (found.normal.length() - 1.0).abs(), 0.0, 1e-14);
+    judge.ordered("not in its own interval", [found.lower, found.distance, found.upper]);
+    judge.unit(found.normal);
     // The signed distance is the maximum over all planes of the height above the plane.
     let height = |n: DVec3| n.dot(point) - model.reach(n);
     if found.lower > 0.0 {
@@ -391,11 +374,8 @@ pub(super) fn judge_point(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: 
         let tolerance = if found.status == Status::Within { settings.tolerance * found.distance.abs() } else { 0.0 };
         judge.at_most("a distance is wide", width, tolerance + EXACT * size(body), slack_along);
     }
-    let mut highest = height(found.normal);
     let planes = model.planes();
-    for n in planes.iter().flatten() {
-        highest = highest.max(height(*n));
-    }
+    let highest = planes.iter().flatten().map(|n| height(*n)).fold(height(found.normal), f64::max);
     judge.at_most("the distance is above its interval", highest, found.upper, slack);
     if planes.is_some() && !is_sliver(body) && highest < 0.0 {
         judge.tally.normals += 1;

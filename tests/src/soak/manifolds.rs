@@ -18,9 +18,9 @@ use glam::{DQuat, DVec3};
 use hullmap::manifold::{FeatureId, MAX_POINTS, PointId};
 use hullmap::shapes::HalfSpace;
 use hullmap::{
-    Cache, Contact, Distance, Manifold, ManifoldSettings, Pose, Prediction, Settings, Status, distance, signed_distance,
+    Cache, Contact, Manifold, ManifoldSettings, Pose, Prediction, Settings, Status, distance, signed_distance,
 };
-use hullmap_testkit::reach::Reach;
+use hullmap_testkit::{random::RandomPoses, reach::Reach};
 use shapes::rng::SplitMix64;
 
 use super::{
@@ -82,10 +82,10 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     let settings = ManifoldSettings { prediction, ..ManifoldSettings::default() };
     // One pair in eight stands on a half-space through A's support point instead of on A.
     let floor = (rng.below(8) == 0).then(|| {
-        let normal = DVec3::from_array(rng.direction());
+        let normal = rng.unit_vector();
         Floor { shape: HalfSpace::new(normal, a.model.reach(normal)).expect("a plane"), normal }
     });
-    let axis = DVec3::from_array(rng.direction());
+    let axis = rng.unit_vector();
     let step = [1e-9, 1e-4, 1e-2, 0.1][rng.below(4)];
     let way = rng.below(7);
     // A prediction relative to the smaller body is relative to B if A is a half-space.
@@ -100,7 +100,7 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
             _ => manifold.update(a.shape(), b.shape(), pose, &settings, &mut cache),
         };
         let update = Update { a, b, floor: floor.as_ref(), pose, prediction: prediction.length(reach), reach };
-        let mut judge = Claims { wrong: None, tightest: 0.0, queries: "manifolds", tally };
+        let mut judge = Claims::new("manifolds", tally);
         update.judge(&mut judge, &manifold, &contact);
         judge_memory(&mut judge, &manifold, &known);
         judge.finish(pair, || format!("frame {frame}, {pose:?} {settings:?}\n  {contact:?}\n  {manifold:?}"));
@@ -115,7 +115,7 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
 
 /// The next pose.
 fn moved(rng: &mut SplitMix64, pose: Pose, [way, frame]: [usize; 2], step: f64, length: f64, normal: DVec3) -> Pose {
-    let random = DVec3::from_array(rng.direction());
+    let random = rng.unit_vector();
     let sign = if frame.is_multiple_of(2) { 1.0 } else { -1.0 };
     let (shift, turn) = match way {
         0 => (random * 1e-13, random * 1e-13),
@@ -146,11 +146,12 @@ impl Update<'_, '_> {
     fn judge(&self, judge: &mut Claims<'_>, manifold: &Manifold, contact: &Contact) {
         let (points, normal) = (manifold.points(), manifold.normal());
         let names = ["no points", "one point", "two points", "three points", "four points"];
-        *judge.tally.lines.entry(names[points.len()]).or_default() += 1;
+        judge.tally.note(names[points.len()]);
         let lengths = self.a.model.greatest + self.b.model.greatest + self.pose.translation().length();
         let slack = ROUNDING_UNITS * f64::EPSILON * lengths;
         let (larger, is_extreme) = self.extremes();
-        let gap = (!contact.hit && self.floor.is_none()).then(|| self.gap());
+        let gap = (!contact.hit && self.floor.is_none())
+            .then(|| distance(self.a.shape(), self.b.shape(), self.pose, &Settings::default(), &mut Cache::new()));
         let along = (contact.point_a - contact.point_b).dot(contact.normal);
         // Bounds of the depth along any normal.
         let [low, high] = match &gap {
@@ -180,15 +181,15 @@ impl Update<'_, '_> {
             return;
         }
         if !is_extreme && is_inexact {
-            *judge.tally.lines.entry("inexact contacts").or_default() += 1;
+            judge.tally.note("inexact contacts");
         }
-        judge.at_most("the normal is not of unit length", (normal.length() - 1.0).abs(), 0.0, 1e-14);
+        judge.unit(normal);
         let allowance = OFF_SURFACE * self.reach + off;
         let slight = (SLIGHT * self.prediction).max(SAME_DEPTH * self.reach);
         let deepest = points.iter().map(|point| point.depth).fold(f64::NEG_INFINITY, f64::max);
         judge.at_most("no point is as deep as the contact", low - slight, deepest, slack + allowance);
         if !is_extreme {
-            *judge.tally.lines.entry("strict").or_default() += 1;
+            judge.tally.note("strict");
         }
         for (index, point) in points.iter().enumerate() {
             judge.demand("a number is not finite", point.point_a.is_finite() && point.point_b.is_finite());
@@ -240,18 +241,8 @@ impl Update<'_, '_> {
     /// Depth of the support points along a unit normal.
     fn width(&self, normal: DVec3) -> f64 {
         let inward = self.pose.inverse_transform_vector(-normal);
-        self.a_reach(normal) + self.b.model.reach(inward) - normal.dot(self.pose.translation())
-    }
-
-    fn a_reach(&self, normal: DVec3) -> f64 {
-        match self.floor {
-            Some(floor) => self.a.model.reach(floor.normal),
-            None => self.a.model.reach(normal),
-        }
-    }
-
-    fn gap(&self) -> Distance {
-        distance(self.a.shape(), self.b.shape(), self.pose, &Settings::default(), &mut Cache::new())
+        let of_a = self.a.model.reach(self.floor.map_or(normal, |floor| floor.normal));
+        of_a + self.b.model.reach(inward) - normal.dot(self.pose.translation())
     }
 }
 
@@ -286,7 +277,7 @@ fn judge_memory(judge: &mut Claims<'_>, manifold: &Manifold, known: &BTreeMap<u6
         judge.demand("a point on the same features is new", !was_there || point.age > 0);
         judge.demand("age and memory contradict each other", (point.age > 0) == (point.user_data > 0));
         if point.age > 0 {
-            *judge.tally.lines.entry("kept").or_default() += 1;
+            judge.tally.note("kept");
             judge.demand("a point remembers what was never stored", known.contains_key(&point.user_data));
             let is_single = points[..index].iter().all(|other| other.user_data != point.user_data);
             judge.demand("two points remember the same", is_single);

@@ -6,6 +6,7 @@
 
 use glam::{DQuat, DVec3};
 use hullmap::Pose;
+use hullmap_testkit::random::RandomPoses;
 use shapes::rng::SplitMix64;
 
 use super::body::{Body, single, size, support};
@@ -44,7 +45,7 @@ fn offset(rng: &mut SplitMix64, least: usize) -> f64 {
 fn direction(rng: &mut SplitMix64) -> DVec3 {
     match rng.below(8) {
         0 => DVec3::AXES[rng.below(3)],
-        _ => DVec3::from_array(rng.direction()),
+        _ => rng.unit_vector(),
     }
 }
 
@@ -57,7 +58,7 @@ fn quarter_turn(rng: &mut SplitMix64) -> DQuat {
 
 /// Mostly random; some rotations keep axes parallel, exactly or nearly.
 fn rotation(rng: &mut SplitMix64) -> DQuat {
-    let axis = DVec3::from_array(rng.direction());
+    let axis = rng.unit_vector();
     match rng.below(10) {
         0 => DQuat::IDENTITY,
         1 => quarter_turn(rng),

@@ -240,6 +240,7 @@ mod tests {
     use super::*;
     use hullmap::SupportMap;
     use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Sphere, Triangle};
+    use hullmap_testkit::random::RandomPoses;
     use shapes::rng::SplitMix64;
 
     /// Support points define a shape independently of its model. Their extent agrees with the
@@ -273,7 +274,7 @@ mod tests {
         let mut rng = SplitMix64::new(3);
         for (index, (shape, model)) in pairs.iter().enumerate() {
             for _ in 0..500 {
-                let dir = DVec3::from_array(rng.direction());
+                let dir = rng.unit_vector();
                 let point = shape.support_point(dir).point;
                 assert!((point.dot(dir) - model.reach(dir)).abs() < 1e-14, "{index} {dir} {point}");
                 assert!(model.outside(point) < 1e-14, "{index} {dir} {point} {}", model.outside(point));

@@ -21,9 +21,12 @@ use glam::{DQuat, DVec3};
 use hullmap::shapes::HalfSpace;
 use hullmap::{
     Cache, ClearSettings, Contact, Distance, MotionSettings, Pose, RigidMotion, Settings, TimeOfImpact, Verdict,
-    cast_motion, clear, contact, distance,
+    cast_motion, clear,
 };
-use hullmap_testkit::reach::{Placed, Reach};
+use hullmap_testkit::{
+    random::RandomPoses,
+    reach::{Placed, Reach},
+};
 use shapes::rng::SplitMix64;
 
 use super::bodies::BodyPair;
@@ -57,19 +60,18 @@ struct Course {
 impl Course {
     /// A random one. `other` is the size of the other body.
     fn random(rng: &mut SplitMix64, body: &Body<'_>, pose: Pose, through: f64, other: f64) -> Self {
-        let (own, direction) = (size(body), |rng: &mut SplitMix64| DVec3::from_array(rng.direction()));
-        let length = if rng.below(2) == 0 { own } else { other };
+        let length = if rng.below(2) == 0 { size(body) } else { other };
         let speed = [0.0, 0.0, 1e-3, 0.5, 4.0, 40.0][rng.below(6)] * length;
         let angle = [0.0, 0.0, 1e-4, 0.3, 0.5 * PI, PI, 7.0][rng.below(7)];
         let inside = pose.transform_point(body.shape().interior_point());
         let center = match rng.below(4) {
             0 => pose.translation(),
-            1 => inside + direction(rng) * (10.0 * length * rng.unit()),
+            1 => inside + rng.unit_vector() * (10.0 * length * rng.unit()),
             _ => inside,
         };
         // A fifth of the screws are true ones.
-        let axis = direction(rng);
-        let linear = if rng.below(5) == 0 { axis } else { direction(rng) } * speed;
+        let axis = rng.unit_vector();
+        let linear = if rng.below(5) == 0 { axis } else { rng.unit_vector() } * speed;
         Self { pose, through, linear, turn: (axis, angle), center }
     }
 
@@ -145,18 +147,18 @@ impl Case<'_, '_> {
     }
 
     fn distance(&self, t: f64) -> Distance {
-        let [a, b] = self.bodies.map(Body::shape);
+        let ([a, b], cache) = (self.bodies.map(Body::shape), &mut Cache::new());
         match &self.plane {
-            Some(plane) => hullmap::distance(plane, b, self.b_in_a(t), &Settings::default(), &mut Cache::new()),
-            None => distance(a, b, self.b_in_a(t), &ACCURATE, &mut Cache::new()),
+            Some(plane) => hullmap::distance(plane, b, self.b_in_a(t), &ACCURATE, cache),
+            None => hullmap::distance(a, b, self.b_in_a(t), &ACCURATE, cache),
         }
     }
 
     fn contact(&self, t: f64) -> Contact {
-        let [a, b] = self.bodies.map(Body::shape);
+        let ([a, b], cache) = (self.bodies.map(Body::shape), &mut Cache::new());
         match &self.plane {
-            Some(plane) => hullmap::contact(plane, b, self.b_in_a(t), &Settings::default(), &mut Cache::new()),
-            None => contact(a, b, self.b_in_a(t), &ACCURATE, &mut Cache::new()),
+            Some(plane) => hullmap::contact(plane, b, self.b_in_a(t), &ACCURATE, cache),
+            None => hullmap::contact(a, b, self.b_in_a(t), &ACCURATE, cache),
         }
     }
 
@@ -193,7 +195,7 @@ impl Case<'_, '_> {
     fn answers(&self, settings: &MotionSettings) -> (TimeOfImpact, Option<hullmap::Clearance>) {
         let ([a, b], [motion_a, motion_b]) = (self.bodies.map(Body::shape), self.motions());
         if let Some(plane) = &self.plane {
-            return (hullmap::cast_motion(plane, &motion_a, b, &motion_b, settings, &mut Cache::new()), None);
+            return (cast_motion(plane, &motion_a, b, &motion_b, settings, &mut Cache::new()), None);
         }
         let found = cast_motion(a, &motion_a, b, &motion_b, settings, &mut Cache::new());
         let settings = ClearSettings { motion: *settings, ..ClearSettings::default() };
@@ -228,7 +230,7 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     let [a, b] = pair.bodies;
     let through = [0.0, 1.0, rng.unit(), rng.unit()][rng.below(4)];
     // One pair in eight is far from the origin.
-    let far = if rng.below(8) == 0 { DVec3::from_array(rng.direction()) * (1e4 * size(a)) } else { DVec3::ZERO };
+    let far = if rng.below(8) == 0 { rng.unit_vector() * (1e4 * size(a)) } else { DVec3::ZERO };
     let world = Pose::new(far, DQuat::IDENTITY).expect("finite");
     let courses = [
         Course::random(rng, a, world, through, size(b)),
@@ -236,7 +238,7 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     ];
     // A plane that touches B, nearly, when the pair is in its pose.
     let plane = (rng.below(4) == 0).then(|| {
-        let normal = DVec3::from_array(rng.direction());
+        let normal = rng.unit_vector();
         let lowest = -Placed::new(&b.model, pair.b_in_a).reach(-normal);
         let near = [0.0, 1e-12, 1e-6, 1e-2, 1.0][rng.below(5)] * rng.between(-1.0, 1.0);
         HalfSpace::new(normal, lowest + near * size(b)).ok()
@@ -258,7 +260,7 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     let last = (3.0 * unit * of_query).max(3.0 * slack);
     let case = Case { bodies: [a, b], plane, courses, target, slack };
     let (found, clearance) = case.answers(&settings);
-    let mut judge = Claims { wrong: None, tightest: 0.0, queries: "motions", tally };
+    let mut judge = Claims::new("motions", tally);
     judge_times(&mut judge, &found);
     // The times at which they certainly do not meet, by the answer.
     let until = if found.hit { found.t_lower } else { 1.0 };
@@ -268,9 +270,8 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     let times: Vec<f64> = times.filter(|_| until > 0.0).collect();
     let early = times.iter().copied().find(|t| case.nearness(*t) == Nearness::Met);
     if let Some(clearance) = clearance {
-        let is_free = clearance.verdict == Verdict::Free;
+        let [is_free, is_met] = [Verdict::Free, Verdict::Hit].map(|verdict| clearance.verdict == verdict);
         judge.demand("clear and cast_motion contradict each other", is_free != found.hit);
-        let is_met = clearance.verdict == Verdict::Hit;
         judge.demand("a hit without an upper bound", is_met == (found.t_upper <= 1.0));
         let nearer = times.iter().map(|t| case.distance(*t).upper).fold(f64::INFINITY, f64::min);
         judge.demand("nearer than the clearance", !is_free || clearance.clearance <= nearer + slack);
@@ -289,18 +290,17 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     {
         judge.at_most("not near at the lower bound", gap + slack, settings.tolerance * sizes, last);
     }
-    let tally = &mut *judge.tally;
-    *tally.lines.entry(found.status.as_str()).or_default() += 1;
+    judge.tally.note(found.status.as_str());
     let many = match found.iterations {
         0..=8 => "at most 8 queries",
         9..=20 => "at most 20 queries",
         _ => "more queries",
     };
-    *tally.lines.entry(many).or_default() += 1;
-    tally.iterations[0] = tally.iterations[0].max(found.iterations);
-    tally.support_calls[0] = tally.support_calls[0].max(found.support_calls);
+    judge.tally.note(many);
+    judge.tally.iterations[0] = judge.tally.iterations[0].max(found.iterations);
+    judge.tally.support_calls[0] = judge.tally.support_calls[0].max(found.support_calls);
     if case.plane.is_some() {
-        *tally.lines.entry("half-spaces").or_default() += 1;
+        judge.tally.note("half-spaces");
     }
     judge.finish(pair, || {
         let ([motion_a, motion_b], plane) = (case.motions(), &case.plane);
@@ -314,7 +314,7 @@ fn judge_times(judge: &mut Claims<'_>, found: &TimeOfImpact) {
     let TimeOfImpact { hit, t, t_lower, t_upper, .. } = *found;
     if hit {
         judge.demand("times out of range", (0.0..=1.0).contains(&t_lower) && (0.0..=1.0).contains(&t));
-        judge.demand("times out of order", t_lower <= t && t <= t_upper);
+        judge.ordered("times out of order", [t_lower, t, t_upper]);
         judge.demand("an upper bound out of range", t_upper <= 1.0 || t_upper == f64::INFINITY);
     } else {
         judge.demand("times of a miss", [t, t_lower, t_upper] == [f64::INFINITY; 3]);

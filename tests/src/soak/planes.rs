@@ -13,7 +13,10 @@ use hullmap::{
     Cache, CastSettings, Contact, Distance, Minkowski, Motion, Overlap, Pose, Ray, Settings, Status,
     shapes::{HalfSpace, Sphere},
 };
-use hullmap_testkit::reach::{Placed, Reach};
+use hullmap_testkit::{
+    random::RandomPoses,
+    reach::{Placed, Reach},
+};
 use shapes::rng::SplitMix64;
 
 use super::{
@@ -29,7 +32,7 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     let direction = match rng.below(4) {
         0 => DVec3::AXES[rng.below(3)],
         1 => body.model.face_normal(rng.below(64)).map_or(DVec3::Z, |n| pose.transform_vector(-n)),
-        _ => DVec3::from_array(rng.direction()),
+        _ => rng.unit_vector(),
     };
     let placed = Placed::new(&body.model, pose);
     let lowest = |normal: DVec3| -placed.reach(-normal);
@@ -39,7 +42,7 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     let depth = plane.offset() - lowest(normal);
     let greatest = body.model.greatest + pose.translation().length() + plane.offset().abs();
     let slack = ROUNDING_UNITS * f64::EPSILON * greatest + 2.0 * shape.support_error();
-    let mut judge = Claims { wrong: None, tightest: 0.0, queries: "half-spaces", tally };
+    let mut judge = Claims::new("half-spaces", tally);
     let inverse = pose.inverse();
     // Both points, where the shape has moved by `by`.
     let points = |judge: &mut Claims<'_>, [on_plane, on_b]: [DVec3; 2], by: DVec3| {
@@ -55,7 +58,7 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     let (settings, mut cache) = (Settings::default(), Cache::new());
     let Contact { hit, status, depth: found, depth_lower, depth_upper, point_a, point_b, .. } =
         hullmap::contact(&plane, shape, pose, &settings, &mut cache);
-    *judge.tally.lines.entry(status.as_str()).or_default() += 1;
+    judge.tally.note(status.as_str());
     let overlap = hullmap::intersects(&plane, shape, pose, &mut cache).status;
     let by_contact = match (hit, status) {
         (false, Status::Separated) => Some(Overlap::Separated),
@@ -64,7 +67,7 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
         _ => None,
     };
     judge.demand("contact and intersects contradict each other", by_contact == Some(overlap));
-    judge.demand("the depth is not in its interval", depth_lower <= found && found <= depth_upper);
+    judge.ordered("the depth is not in its interval", [depth_lower, found, depth_upper]);
     judge.at_most("the depth is below its interval", depth_lower, depth.max(0.0), slack);
     judge.at_most("the depth is above its interval", depth, depth_upper, slack);
     // The solver measures the shape from its interior point.
@@ -76,7 +79,7 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
 
     let Distance { status, distance, lower, upper, point_a, point_b, .. } =
         hullmap::distance(&plane, shape, pose, &settings, &mut cache);
-    judge.demand("the distance is not in its interval", lower <= distance && distance <= upper);
+    judge.ordered("the distance is not in its interval", [lower, distance, upper]);
     judge.at_most("the distance is below its interval", lower, (-depth).max(0.0), slack);
     judge.at_most("the distance is above its interval", -depth, upper, slack);
     let is_common = status == Status::Overlapping;
@@ -97,11 +100,11 @@ fn judge_cast(
     points: &impl Fn(&mut Claims<'_>, [DVec3; 2], DVec3),
 ) {
     let (body, pose, normal) = (pair.bodies[1], pair.b_in_a, plane.normal());
-    let aside = normal.cross(DVec3::from_array(rng.direction()));
+    let aside = normal.cross(rng.unit_vector());
     let velocity = match rng.below(4) {
         0 => aside,
         1 => aside + normal * (rng.between(-8.0, 8.0) * f64::EPSILON),
-        _ => DVec3::from_array(rng.direction()),
+        _ => rng.unit_vector(),
     } * size(body).max(1e-9);
     let settings = CastSettings {
         max_t: if rng.below(2) == 0 { f64::INFINITY } else { rng.between(0.0, 2.0) },
@@ -117,7 +120,7 @@ fn judge_cast(
     let (speed, speed_error) = (-normal.dot(velocity), ROUNDING_UNITS * f64::EPSILON * velocity.length());
     let height = |t: f64, speed: f64| -depth - speed * t;
     if found.hit {
-        judge.demand("t is not in its interval", found.t_lower <= found.t && found.t <= found.t_upper);
+        judge.ordered("t is not in its interval", [found.t_lower, found.t, found.t_upper]);
         judge.demand("the lower bound is beyond the limit", found.t_lower <= settings.max_t);
         if found.t_lower > 0.0 {
             judge.at_most("below the plane too early", 0.0, height(found.t_lower, speed - speed_error), slack);

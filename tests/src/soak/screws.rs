@@ -36,7 +36,7 @@ use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
 use hullmap::{Cache, Hull, MotionSettings, Pose, RigidMotion, Settings, Status, TimeOfImpact, cast_motion, distance};
-use hullmap_testkit::{dyadic::Dyadic, exact_depth::depth_of_points, packs::tree_pack};
+use hullmap_testkit::{dyadic::Dyadic, exact_depth::depth_of_points, packs::tree_pack, random::RandomPoses};
 use num_bigint::{BigInt, Sign};
 use shapes::rng::SplitMix64;
 
@@ -118,14 +118,7 @@ fn dot(a: &Vector, b: &Vector) -> Polynomial {
 
 /// `value` times 2^`digits`, rounded.
 fn integer(value: f64, digits: i32) -> BigInt {
-    // An f64 has 53 digits: the rest are zeros.
-    let bits = value.abs().to_bits();
-    let (exponent, fraction) = ((bits >> 52) as i32, bits & ((1 << 52) - 1));
-    let (mantissa, exponent) = if exponent == 0 { (fraction, -1074) } else { (fraction | 1 << 52, exponent - 1075) };
-    let shift = exponent + digits;
-    let magnitude =
-        if shift >= 0 { BigInt::from(mantissa) << shift } else { BigInt::from(mantissa) >> (-shift).min(64) };
-    if value < 0.0 { -magnitude } else { magnitude }
+    Dyadic::new(value).integer(digits)
 }
 
 /// A length that [`integer`] converts exactly.
@@ -205,20 +198,14 @@ impl Case {
     /// The pose of a mover in f64.
     fn pose(&self, which: usize, t: f64) -> Pose {
         let mover = &self.movers[which];
-        let axis = DVec3::from_array(mover.axis.map(|c| c as f64));
-        let turn = if axis == DVec3::ZERO {
-            DQuat::IDENTITY
-        } else {
-            DQuat::from_axis_angle(axis.normalize(), self.angle * t)
-        };
+        let turn = DQuat::from_scaled_axis(mover.unit_axis() * (self.angle * t));
         let place = mover.center + mover.linear * t + turn * (mover.start - mover.center);
         Pose::new(place, turn).expect("finite")
     }
 
     fn motion(&self, which: usize) -> RigidMotion {
         let mover = &self.movers[which];
-        let axis = DVec3::from_array(mover.axis.map(|c| c as f64));
-        let angular = axis.normalize_or_zero() * self.angle;
+        let angular = mover.unit_axis() * self.angle;
         let start = Pose::from_translation(mover.start).expect("finite");
         RigidMotion::screw(start, mover.linear, angular, mover.center).expect("finite")
     }
@@ -338,6 +325,11 @@ impl Placed {
 }
 
 impl Mover {
+    /// The zero vector if it does not turn.
+    fn unit_axis(&self) -> DVec3 {
+        DVec3::from_array(self.axis.map(|c| c as f64)).normalize_or_zero()
+    }
+
     fn placed(&self, [cc, cs, ss, w]: [&Polynomial; 4], times: &[Polynomial; 2]) -> Placed {
         let k = self.axis.map(BigInt::from);
         let square: BigInt = k.iter().map(|c| c * c).sum();
@@ -401,13 +393,9 @@ fn vertices(rng: &mut SplitMix64) -> Vec<[i64; 3]> {
 impl Case {
     /// Movers that nearly touch at a time, which is the first result. Some graze each other there.
     fn random(rng: &mut SplitMix64) -> (f64, Self) {
-        let direction = |rng: &mut SplitMix64| DVec3::from_array(rng.direction());
         let axis = AXES[rng.below(AXES.len())];
-        let turned = {
-            let by = rng.below(3);
-            let sign = |rng: &mut SplitMix64| [-1, 1][rng.below(2)];
-            [0, 1, 2].map(|i| axis[(i + by) % 3] * sign(rng))
-        };
+        let by = rng.below(3);
+        let turned = [0, 1, 2].map(|i| axis[(i + by) % 3] * [-1, 1][rng.below(2)]);
         let axes = match rng.below(10) {
             0 => [[0; 3]; 2],
             1..=3 => [[0; 3], axis],
@@ -416,22 +404,18 @@ impl Case {
         };
         let angle = [1e-3, 0.3, 0.25 * PI, 0.5 * PI, PI, 2.0 * PI][rng.below(6)] * rng.between(0.7, 1.1);
         let movers = axes.map(|axis| {
-            let along = DVec3::from_array(axis.map(|c| c as f64)).normalize_or_zero();
             let length = [0.0, 1.0, 10.0, 40.0][rng.below(4)];
-            let linear = if rng.below(3) == 0 { along } else { direction(rng) } * length;
-            let center = direction(rng) * [0.0, 5.0, 60.0][rng.below(3)] * rng.unit();
+            let screws_along = rng.below(3) == 0;
+            let linear = if screws_along { DVec3::ZERO } else { dyadic(rng.unit_vector() * length) };
+            let center = dyadic(rng.unit_vector() * [0.0, 5.0, 60.0][rng.below(3)] * rng.unit());
             let mover = Mover { vertices: vertices(rng), start: DVec3::ZERO, center, linear, axis };
-            Mover { center: dyadic(mover.center), linear: dyadic(mover.linear), ..mover }
+            Mover { linear: if screws_along { dyadic(mover.unit_axis() * length) } else { linear }, ..mover }
         });
-        let is_turning = axes != [[0; 3]; 2];
-        let axis_length = axes[0].iter().chain(&axes[1]).map(|c| (c * c) as f64).sum::<f64>();
-        let axis_length = if axes[0] != [0; 3] && axes[1] != [0; 3] { 0.5 * axis_length } else { axis_length };
-        let mut case = Self {
-            movers,
-            angle: if is_turning { angle } else { 0.0 },
-            axis_length: if is_turning { axis_length.sqrt() } else { 1.0 },
-        };
-        case.shift(direction(rng) * 80.0);
+        // Both axes that are not zero have the same length.
+        let square = axes.map(|axis| axis.iter().map(|c| c * c).sum::<i64>()).into_iter().max().unwrap_or(0);
+        let (angle, axis_length) = if square > 0 { (angle, (square as f64).sqrt()) } else { (0.0, 1.0) };
+        let mut case = Self { movers, angle, axis_length };
+        case.shift(rng.unit_vector() * 80.0);
         let through = [0.0, 1.0, rng.unit(), rng.unit(), rng.unit()][rng.below(5)];
         (through, case)
     }
@@ -484,7 +468,7 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     let settings = MotionSettings::default();
     let found = cast_motion(hulls[0], &motions[0], hulls[1], &motions[1], &settings, &mut Cache::new());
     let TimeOfImpact { hit, status, t_lower, t_upper, iterations, .. } = found;
-    let mut judge = Claims { wrong: None, tightest: 0.0, queries: "screws", tally };
+    let mut judge = Claims::new("screws", tally);
     if status == Status::Overlapping {
         judge.demand("they do not meet at the start", case.meets(0.0));
     } else if t_upper <= 1.0 {
@@ -495,15 +479,14 @@ pub(super) fn judge(pair: &BodyPair<'_, '_>, rng: &mut SplitMix64, tally: &mut T
     let separated = if until > 0.0 { case.separate(hulls, until, &mut chords) } else { Separated::Surely };
     let is_early = matches!(separated, Separated::MeetAt(_));
     judge.demand(if hit { "they meet before" } else { "they meet" }, !is_early);
-    let lines = &mut judge.tally.lines;
-    *lines.entry(status.as_str()).or_default() += 1;
+    judge.tally.note(status.as_str());
     let decided = match (separated, chords) {
         (Separated::Open(_), _) => "not decided",
         (_, 0..=20) => "at most 20 chords",
         (_, 21..=200) => "at most 200 chords",
         _ => "more chords",
     };
-    *lines.entry(decided).or_default() += 1;
+    judge.tally.note(decided);
     judge.tally.iterations[0] = judge.tally.iterations[0].max(iterations);
     judge.finish(pair, || {
         let vertices = case.movers.each_ref().map(|mover| &mover.vertices);

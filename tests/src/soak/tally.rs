@@ -102,11 +102,8 @@ impl Tally {
 
     /// The first wrong answers of each kind, in order of the pairs' indices.
     pub fn wrongs(&self) -> impl Iterator<Item = Wrong> {
-        let each = |(what, kept): (&&'static str, &Vec<(u64, String)>)| {
-            let what = *what;
-            kept.clone().into_iter().map(move |(index, details)| Wrong { index, what, details })
-        };
-        self.kept.iter().flat_map(each)
+        let kept = self.kept.iter().flat_map(|(what, kept)| kept.iter().map(move |kept| (*what, kept.clone())));
+        kept.map(|(what, (index, details))| Wrong { index, what, details })
     }
 
     pub(super) fn count(&mut self, yes: &Intersection, deep: &Contact, near: &Distance) {
@@ -118,6 +115,16 @@ impl Tally {
             self.iterations[which] = self.iterations[which].max(iterations[which]);
             self.support_calls[which] = self.support_calls[which].max(calls[which]);
         }
+    }
+
+    /// Counts an outcome of an answer about a line, a manifold or a motion.
+    pub(super) fn note(&mut self, what: &'static str) {
+        *self.lines.entry(what).or_default() += 1;
+    }
+
+    /// Number of answers with an outcome.
+    pub fn of(&self, what: &str) -> u64 {
+        self.lines.get(what).copied().unwrap_or(0)
     }
 
     /// Share of the pairs whose contacts hit.

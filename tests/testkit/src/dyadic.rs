@@ -29,6 +29,12 @@ impl Dyadic {
         Self { integer, exponent }
     }
 
+    /// The number times 2 to the power of `digits`, rounded down.
+    pub fn integer(&self, digits: i32) -> BigInt {
+        let shift = self.exponent + digits;
+        if shift >= 0 { &self.integer << shift } else { &self.integer >> -shift }
+    }
+
     /// The number with at most 60 of its digits.
     pub fn rounded(&self) -> f64 {
         let excess = self.integer.bits().saturating_sub(60);

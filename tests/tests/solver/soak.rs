@@ -86,8 +86,7 @@ fn every_ray_cast_point_and_half_space_has_a_certificate() {
         // planes. Half-spaces are judged by their own plane.
         let by_planes = tally.normals + tally.facets;
         assert!(by_planes > PAIRS / 80 || queries == Queries::HalfSpaces, "{queries:?}: {by_planes}");
-        let of = |status: &str| tally.lines.get(status).copied().unwrap_or(0);
-        let settled = of("exact") + of("within");
+        let settled = tally.of("exact") + tally.of("within");
         assert!(settled > PAIRS / 20, "{queries:?}: {settled}");
         let statuses: &[&str] = match queries {
             Queries::Points => &[],
@@ -98,7 +97,7 @@ fn every_ray_cast_point_and_half_space_has_a_certificate() {
         for status in statuses {
             // Rays at polytopes never graze: they are decided exactly.
             let least = if queries == Queries::Rays && *status == "touching" { PAIRS / 300 } else { PAIRS / 200 };
-            assert!(of(status) > least, "{queries:?}: {status} {}", of(status));
+            assert!(tally.of(status) > least, "{queries:?}: {status} {}", tally.of(status));
         }
     }
 }
@@ -111,11 +110,10 @@ fn every_point_of_a_manifold_has_a_certificate() {
     let tally = judged(Queries::Manifolds, &[], pairs);
     assert_eq!(tally.judged, pairs * FRAMES);
     // The sample is representative.
-    let of = |what: &str| tally.lines.get(what).copied().unwrap_or(0);
     for count in ["no points", "one point", "two points", "three points", "four points"] {
-        assert!(of(count) > tally.judged / 50, "{count}: {}", of(count));
+        assert!(tally.of(count) > tally.judged / 50, "{count}: {}", tally.of(count));
     }
-    assert!(of("kept") > tally.judged / 2, "{} points kept", of("kept"));
+    assert!(tally.of("kept") > tally.judged / 2, "{} points kept", tally.of("kept"));
 }
 
 /// Times of impact of pairs that move and turn. The program `solver-soak` does this for any number
@@ -126,11 +124,14 @@ fn every_time_of_impact_has_a_certificate() {
     let tally = judged(Queries::Motions, &[], pairs);
     assert_eq!(tally.judged, pairs);
     // The sample is representative, and the work small.
-    let of = |what: &str| tally.lines.get(what).copied().unwrap_or(0);
     for status in ["separated", "overlapping", "touching", "within"] {
-        assert!(of(status) > pairs / 20, "{status}: {}", of(status));
+        assert!(tally.of(status) > pairs / 20, "{status}: {}", tally.of(status));
     }
-    assert!(of("at most 8 queries") > pairs * 3 / 4 && of("iteration_limit") < pairs / 200, "{:?}", tally.lines);
+    assert!(
+        tally.of("at most 8 queries") > pairs * 3 / 4 && tally.of("iteration_limit") < pairs / 200,
+        "{:?}",
+        tally.lines
+    );
 }
 
 /// Times of impact of small hulls, in exact arithmetic, for all times. The program `solver-soak`
@@ -140,25 +141,23 @@ fn screws_of_small_hulls_agree_with_exact_arithmetic() {
     let motions = 400;
     let tally = judged(Queries::Screws, &[], motions);
     // The sample is representative: hits, misses and grazing motions. Nearly all are decided.
-    let of = |what: &str| tally.lines.get(what).copied().unwrap_or(0);
     for status in ["separated", "overlapping", "touching", "within"] {
-        assert!(of(status) > motions / 20, "{status}: {}", of(status));
+        assert!(tally.of(status) > motions / 20, "{status}: {}", tally.of(status));
     }
-    assert!(of("not decided") <= motions / 200, "{:?}", tally.lines);
+    assert!(tally.of("not decided") <= motions / 200, "{:?}", tally.lines);
 }
 
 /// Derivatives of answers about hulls. Uncertain ones are flagged, and are very rare.
 #[test]
 fn derivatives_agree_with_central_differences() {
     let tally = judged(Queries::Derivatives, &[], PAIRS / 4);
-    let of = |what: &str| tally.lines.get(what).copied().unwrap_or(0);
     // Derivatives of normals and points are counted, too.
     let witnesses: u64 =
         tally.lines.iter().filter(|(what, _)| what.starts_with("witness: ")).map(|(_, count)| count).sum();
     let values = tally.judged - witnesses;
     for kind in ["distance", "depth", "ray", "cast"] {
-        assert!(of(kind) > values / 20, "{kind}: {}", of(kind));
+        assert!(tally.of(kind) > values / 20, "{kind}: {}", tally.of(kind));
     }
-    assert!(of("judged") * 10 > values * 9 && of("kink in the step") * 500 < values, "{:?}", tally.lines);
-    assert!(witnesses > values / 4 && of("witness: judged") * 10 > witnesses * 9, "{:?}", tally.lines);
+    assert!(tally.of("judged") * 10 > values * 9 && tally.of("kink in the step") * 500 < values, "{:?}", tally.lines);
+    assert!(witnesses > values / 4 && tally.of("witness: judged") * 10 > witnesses * 9, "{:?}", tally.lines);
 }
