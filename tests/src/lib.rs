@@ -8,8 +8,8 @@
 //! | [`soak`] | solver answers judged by certificates | `solver-soak` |
 //! | [`degenerate`] | small hulls in degenerate poses, judged by their exact depth | `degenerate-truth` |
 //! | [`sheets`] | queries of triangle meshes judged by brute force | `mesh-truth` |
-//! | [`sampler`] | bounds of convex parts, tried by sampling | `decompose-soak`, `decompose-table` |
-//! | [`fuzzed`] | the fuzz targets, their corpora and first inputs | `fuzz-corpus`, and the targets in `fuzz/` |
+//! | [`sampler`] | bounds of convex parts, tried by sampling | `decompose-soak` |
+//! | [`fuzzed`] | the fuzz targets, and their corpora | the targets in `fuzz/` |
 //! | [`game_hulls`] | game hulls, from outside of the repository | |
 //! | [`directions`], [`regret`] | directions in which a support query can fail, and by how much | |
 

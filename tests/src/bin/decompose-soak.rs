@@ -27,9 +27,9 @@ use hullmap_bake::{
     fit::{Solid, fits},
     hull::{self, Hull},
 };
-use hullmap_testkit::clock::timed;
+use hullmap_testkit::{clock::timed, packs::point_set};
 use hullmap_tests::sampler::refutation;
-use shapes::rng::SplitMix64;
+use shapes::{mesh::Mesh, obj, rng::SplitMix64};
 
 /// Convex decompositions of random meshes, judged by sampling.
 #[derive(Parser)]
@@ -137,12 +137,12 @@ fn judged(seeds: Range<u64>, arguments: &Arguments) -> Vec<(u64, Outcome, f64)> 
 fn judge(seed: u64, arguments: &Arguments) -> Outcome {
     let mut rng = SplitMix64::new(seed);
     let mesh = mesh(&mut rng);
-    let share = [0.005, 0.02, 0.05, 0.2][index(&mut rng, 4)];
+    let share = [0.005, 0.02, 0.05, 0.2][rng.below(4)];
     if let Some(folder) = &arguments.keep {
-        let vertices = mesh.positions.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n"));
-        let faces = mesh.triangles.iter().map(|t| t.map(|v| v + 1)).map(|[a, b, c]| format!("f {a} {b} {c}\n"));
-        let text: String = [format!("# maximum error {share}\n")].into_iter().chain(vertices).chain(faces).collect();
-        fs::write(folder.join(format!("{seed}.obj")), text).expect("the folder exists");
+        let faces = mesh.triangles.iter().map(|corners| corners.to_vec()).collect();
+        let text = obj::text(&Mesh { vertices: mesh.positions.clone(), faces });
+        fs::write(folder.join(format!("{seed}.obj")), format!("# maximum error {share}\n{text}"))
+            .expect("the folder exists");
     }
     let cover = Cover { max_error: Length::Relative(share), ..Cover::default() };
     let sets = match decompose(&mesh, &cover) {
@@ -177,17 +177,13 @@ fn judge(seed: u64, arguments: &Arguments) -> Outcome {
     Outcome::Parts { count: hulls.len(), protruding: greatest > 1e-3 * limit }
 }
 
-fn index(rng: &mut SplitMix64, count: usize) -> usize {
-    ((rng.unit() * count as f64) as usize).min(count - 1)
-}
-
 /// A random mesh: a union of boxes, prisms and soups, then damaged, scaled and moved.
 fn mesh(rng: &mut SplitMix64) -> PointSet {
     let mut positions: Vec<DVec3> = Vec::new();
     let mut triangles: Vec<[u32; 3]> = Vec::new();
-    for _ in 0..1 + index(rng, 3) {
+    for _ in 0..1 + rng.below(3) {
         let first = positions.len() as u32;
-        let (corners, faces) = match index(rng, 4) {
+        let (corners, faces) = match rng.below(4) {
             0 => block(rng),
             1 => prism(rng),
             2 => ring(rng),
@@ -196,12 +192,12 @@ fn mesh(rng: &mut SplitMix64) -> PointSet {
         positions.extend(corners);
         triangles.extend(faces.into_iter().map(|t| t.map(|v| v + first)));
     }
-    match index(rng, 8) {
+    match rng.below(8) {
         0 => {
-            triangles.remove(index(rng, triangles.len()));
+            triangles.remove(rng.below(triangles.len()));
         }
         1 => {
-            let at = index(rng, triangles.len());
+            let at = rng.below(triangles.len());
             triangles[at].swap(0, 1);
         }
         2 => triangles.extend(triangles.clone()),
@@ -218,18 +214,12 @@ fn mesh(rng: &mut SplitMix64) -> PointSet {
     if triangles.is_empty() {
         triangles.push([0, 1, 2]);
     }
-    let scale = [1.0, 1.0, 1.0, 1e-12, 1e12][index(rng, 5)];
-    let stretch = [DVec3::ONE, DVec3::ONE, DVec3::new(1.0, 1.0, 1e-3), DVec3::new(1.0, 1e-2, 1e-2)][index(rng, 4)];
-    let offset = [0.0, 0.0, 0.0, 0.5][index(rng, 4)];
+    let scale = [1.0, 1.0, 1.0, 1e-12, 1e12][rng.below(5)];
+    let stretch = [DVec3::ONE, DVec3::ONE, DVec3::new(1.0, 1.0, 1e-3), DVec3::new(1.0, 1e-2, 1e-2)][rng.below(4)];
+    let offset = [0.0, 0.0, 0.0, 0.5][rng.below(4)];
     let positions: Vec<[f32; 3]> =
         positions.iter().map(|p| ((*p + offset) * stretch * scale).as_vec3().to_array()).collect();
-    PointSet {
-        name: "random".to_owned(),
-        source_vertices: (0..positions.len() as u32).collect(),
-        positions,
-        triangles,
-        ..PointSet::default()
-    }
+    PointSet { triangles, ..point_set("random", &positions) }
 }
 
 type Piece = (Vec<DVec3>, Vec<[u32; 3]>);
@@ -251,7 +241,7 @@ fn block(rng: &mut SplitMix64) -> Piece {
 
 /// A prism over a star, which is concave.
 fn prism(rng: &mut SplitMix64) -> Piece {
-    let (count, centre, height) = (3 + index(rng, 6), point(rng), 0.1 + rng.unit());
+    let (count, centre, height) = (3 + rng.below(6), point(rng), 0.1 + rng.unit());
     let outline: Vec<DVec3> = (0..count)
         .map(|i| {
             let angle = std::f64::consts::TAU * i as f64 / count as f64;
@@ -271,7 +261,7 @@ fn prism(rng: &mut SplitMix64) -> Piece {
 
 /// A torus of few triangles.
 fn ring(rng: &mut SplitMix64) -> Piece {
-    let (around, across, thin) = (3 + index(rng, 8) as u32, 3 + index(rng, 4) as u32, 0.1 + 0.35 * rng.unit());
+    let (around, across, thin) = (3 + rng.below(8) as u32, 3 + rng.below(4) as u32, 0.1 + 0.35 * rng.unit());
     let centre = point(rng);
     let turn = |i: u32, count: u32| std::f64::consts::TAU * f64::from(i) / f64::from(count);
     let corner = |i: u32, j: u32| {
@@ -293,8 +283,8 @@ fn ring(rng: &mut SplitMix64) -> Piece {
 
 /// Triangles between random points.
 fn soup(rng: &mut SplitMix64) -> Piece {
-    let count = 4 + index(rng, 10);
+    let count = 4 + rng.below(10);
     let positions = (0..count).map(|_| point(rng)).collect();
-    let triangles = (0..3 + index(rng, 14)).map(|_| std::array::from_fn(|_| index(rng, count) as u32)).collect();
+    let triangles = (0..3 + rng.below(14)).map(|_| std::array::from_fn(|_| rng.below(count) as u32)).collect();
     (positions, triangles)
 }

@@ -1,7 +1,6 @@
 //! Prints how well convex decompositions fit concave meshes, beside the parts of another tool.
 //!
 //! ```text
-//! cargo program concave-meshes -- --meshes FOLDER --write MESHES
 //! python benches/peers/decompose.py coacd MESHES PEER
 //! cargo program decompose-table -- MESHES --peer PEER
 //! ```
@@ -12,9 +11,7 @@
 //! the limit is a maximum error. A cell has our figure and the other's; lengths are in percent of
 //! the diagonal. Both are measured by the same code.
 //!
-//! One thread decomposes. Seconds are its processor time, where the system states it. With
-//! `--samples`, random points try to refute the bounds of our parts ([`hullmap_tests::sampler`]);
-//! one that does ends the program with status 1.
+//! One thread decomposes. Seconds are its processor time, where the system states it.
 
 use std::{
     collections::BTreeMap,
@@ -31,7 +28,6 @@ use hullmap_bake::{
 };
 use hullmap_import::{ImportOptions, Limits, Split, import, read};
 use hullmap_testkit::clock::timed;
-use hullmap_tests::sampler::refutation;
 
 /// Convex decomposition of the meshes of a folder.
 #[derive(Parser)]
@@ -47,16 +43,10 @@ struct Arguments {
     /// Maximum number of vertices of a part
     #[arg(long, value_name = "N")]
     max_vertices: Option<u32>,
-    /// Number of points that try to refute the claims about each mesh
-    #[arg(long, default_value_t = 0)]
-    samples: usize,
     /// Only meshes whose name contains this
     #[arg(long, default_value = "")]
     only: String,
 }
-
-/// Seed of the samples.
-const SEED: u64 = 1;
 
 /// Measures of a decomposition.
 const MEASURES: [&str; 8] =
@@ -73,7 +63,6 @@ fn main() -> ExitCode {
     }
     let seconds = arguments.peer.as_ref().map(|folder| seconds_of(folder)).unwrap_or_default();
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be started");
-    let mut is_refuted = false;
     let (mut sums, mut wins, mut meshes) = ([[0.0; 2]; MEASURES.len()], [0; MEASURES.len()], 0);
     println!("mesh | triangles | {}", MEASURES.join(" | "));
     for (name, mesh) in &meshes_of(&arguments.folder, &arguments.only) {
@@ -103,10 +92,6 @@ fn main() -> ExitCode {
         let cell = |k: usize| figures.iter().map(|figures| shown(figures[k])).collect::<Vec<_>>().join(" / ");
         let cells: Vec<String> = (0..MEASURES.len()).map(cell).collect();
         println!("{name} | {} | {}", mesh.triangles.len(), cells.join(" | "));
-        if let Some(why) = refutation(mesh, &ours, &fits, arguments.samples, SEED) {
-            println!("{name}: refuted by a sample of seed {SEED}: {why}");
-            is_refuted = true;
-        }
     }
     for (k, name) in MEASURES.iter().enumerate().filter(|_| meshes > 0) {
         println!(
@@ -116,7 +101,7 @@ fn main() -> ExitCode {
             wins[k]
         );
     }
-    if is_refuted { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+    ExitCode::SUCCESS
 }
 
 fn shown(figure: f64) -> String {

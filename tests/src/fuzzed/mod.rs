@@ -13,13 +13,13 @@
 //! inputs of the corpora keep their meaning.
 
 pub mod bytes;
-pub mod corpus;
+mod corpus;
 mod packs;
 mod pipeline;
-pub mod seeds;
 mod solver;
 mod source_files;
 
+pub use corpus::unpack;
 pub use packs::{change_pack, open_and_query, open_sheets};
 pub use pipeline::build_open_verify;
 pub use solver::solver;

@@ -4,30 +4,19 @@
 use std::fs;
 
 use hullmap_testkit::files::workspace;
-use hullmap_tests::fuzzed::{
-    TARGETS, Target,
-    corpus::{self, Input},
-    seeds,
-};
-
-fn archive(target: &str) -> Vec<u8> {
-    let path = corpus::archive_path(&workspace().join("fuzz/corpus"), target);
-    fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
-}
-
-fn inputs(target: &str) -> Vec<Input> {
-    corpus::unpack(&archive(target)).unwrap_or_else(|error| panic!("{target}: {error}"))
-}
+use hullmap_tests::fuzzed::{TARGETS, Target, unpack};
 
 fn replay((name, run): Target) {
-    let inputs = inputs(name);
+    let archive = fs::read(workspace().join(format!("fuzz/corpus/{name}.tar.gz"))).unwrap();
+    let inputs = unpack(&archive).unwrap();
     for (input, bytes) in &inputs {
         // If the input panics, its name is the last line.
         println!("{input}");
         run(bytes);
     }
-    println!("{name}: {} inputs", inputs.len());
-    assert!(inputs.len() >= 100, "{name} has {} inputs", inputs.len());
+    let bytes: usize = inputs.iter().map(|(_, bytes)| bytes.len()).sum();
+    println!("{name}: {} inputs, {bytes} bytes", inputs.len());
+    assert!(inputs.len() >= 100 && bytes < 1 << 20, "{name}: {} inputs, {bytes} bytes", inputs.len());
 }
 
 macro_rules! targets {
@@ -40,27 +29,3 @@ macro_rules! targets {
 }
 
 targets! { open_and_query 0 solver 1 build_open_verify 2 import 3 open_sheets 4 }
-
-#[test]
-fn seeds_run() {
-    for (name, run) in TARGETS.into_iter().filter(|(name, _)| *name != "import") {
-        let seeds = seeds::seeds(name);
-        assert!(seeds.len() >= 10, "{name}");
-        seeds.iter().for_each(|(_, bytes)| run(bytes));
-    }
-}
-
-#[test]
-fn the_corpus_is_small() {
-    let bytes: usize = TARGETS.iter().flat_map(|(name, _)| inputs(name)).map(|(_, bytes)| bytes.len()).sum();
-    println!("{bytes} bytes");
-    assert!(bytes < 1 << 20, "{bytes} bytes");
-}
-
-/// An archive that is packed again has the same bytes if its inputs are the same.
-#[test]
-fn archives_are_what_fuzz_corpus_packs() {
-    for (name, _) in TARGETS {
-        assert!(corpus::pack(inputs(name)).unwrap() == archive(name), "{name}: pack it with fuzz-corpus");
-    }
-}
