@@ -25,52 +25,39 @@ pub struct Tally {
     pub calls: usize,
     /// Bakes that met a fault.
     pub bakes: usize,
-    /// Bakes that were killed.
-    pub killed: usize,
-    /// Bakes that reported the fault: exit code 2 and a message.
-    pub reported: usize,
-    /// Bakes that ended with exit code 0 and did everything: the call was repeated, or its failure
-    /// does not matter.
-    pub absorbed: usize,
-    /// Bakes that left some outputs old and others new.
-    pub mixed: usize,
-    /// Bakes that left temporary files. The next bake removed them all.
-    pub with_temporary: usize,
-    /// Numbers of reported and absorbed faults, by the name of the call.
-    pub by_call: BTreeMap<String, [usize; 2]>,
+    /// Bakes that were killed, or reported the fault by exit code 2 and a message, or absorbed it:
+    /// they ended with exit code 0 and did everything. Some of them are mixed: they left old and new
+    /// outputs. The temporary files of others were removed by the next bake.
+    outcomes: BTreeMap<&'static str, usize>,
+    /// Failed calls, by their name and how the bake ended.
+    by_call: BTreeMap<(String, &'static str), usize>,
     /// Failed checks.
     pub wrong: Vec<String>,
 }
 
 impl Tally {
+    /// Number of bakes with an outcome.
+    pub fn of(&self, outcome: &str) -> usize {
+        self.outcomes.get(outcome).copied().unwrap_or_default()
+    }
+
+    fn note(&mut self, outcome: &'static str, is_met: bool) {
+        *self.outcomes.entry(outcome).or_default() += usize::from(is_met);
+    }
+
     fn add(&mut self, other: Self) {
         self.bakes += other.bakes;
-        self.killed += other.killed;
-        self.reported += other.reported;
-        self.absorbed += other.absorbed;
-        self.mixed += other.mixed;
-        self.with_temporary += other.with_temporary;
-        for (name, [reported, absorbed]) in other.by_call {
-            let entry = self.by_call.entry(name).or_default();
-            entry[0] += reported;
-            entry[1] += absorbed;
-        }
+        other.outcomes.into_iter().for_each(|(key, count)| *self.outcomes.entry(key).or_default() += count);
+        other.by_call.into_iter().for_each(|(key, count)| *self.by_call.entry(key).or_default() += count);
         self.wrong.extend(other.wrong);
     }
 }
 
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { calls, bakes, killed, reported, absorbed, mixed, with_temporary, .. } = self;
-        writeln!(
-            f,
-            "{bakes} bakes of {calls} calls met a fault: {killed} killed, {reported} reported it with exit code 2, {absorbed} absorbed it; \
-             {mixed} left old and new packs, {with_temporary} left temporary files that the next bake removed"
-        )?;
-        let names = self
-            .by_call
-            .iter()
-            .map(|(name, [reported, absorbed])| format!("{name} {reported} reported, {absorbed} absorbed"));
+        let outcomes: Vec<String> = self.outcomes.iter().map(|(name, count)| format!("{count} {name}")).collect();
+        writeln!(f, "{} bakes of {} calls met a fault: {}", self.bakes, self.calls, outcomes.join(", "))?;
+        let names = self.by_call.iter().map(|((name, end), count)| format!("{name} {count} {end}"));
         writeln!(f, "failed calls: {}", names.collect::<Vec<_>>().join("; "))?;
         write!(f, "{} wrong", self.wrong.len())
     }
@@ -120,25 +107,21 @@ fn one(project: &Project, injector: &Injector, number: usize, fault: Fault) -> T
     match project.judge(&run, &calls) {
         Err(error) => tally.wrong.push(format!("{}: {error}", context())),
         Ok((end, left)) => {
-            tally.mixed += usize::from(left.new > 0 && left.old > 0);
-            tally.with_temporary += usize::from(left.temporary > 0);
-            match end {
-                End::Killed => tally.killed += 1,
-                End::Done => tally.absorbed += 1,
-                End::Reported => tally.reported += 1,
+            let outcome = match end {
+                End::Killed => "killed",
+                End::Done => "absorbed",
+                End::Reported => "reported",
+            };
+            tally.note(outcome, true);
+            tally.note("mixed", left.new > 0 && left.old > 0);
+            tally.note("with temporary files", left.temporary > 0);
+            let stderr = String::from_utf8_lossy(&run.stderr);
+            let expected = fault.errno().filter(|_| at.is_some()).map(|errno| format!("(os error {errno})"));
+            if let (Some(_), Some(call)) = (&expected, at) {
+                *tally.by_call.entry((call.name.clone(), outcome)).or_default() += 1;
             }
-            if let (Some(errno), Some(call)) = (fault.errno(), at) {
-                tally.by_call.entry(call.name.clone()).or_default()[usize::from(end == End::Done)] += 1;
-                let stderr = String::from_utf8_lossy(&run.stderr);
-                if end == End::Reported && !stderr.contains(&format!("(os error {})", errno.number())) {
-                    tally.wrong.push(format!("{}: the message does not name the error: {stderr}", context()));
-                }
-            } else if end == End::Reported {
-                tally.wrong.push(format!(
-                    "{}: no call failed, but the bake reported: {}",
-                    context(),
-                    String::from_utf8_lossy(&run.stderr)
-                ));
+            if end == End::Reported && !expected.as_ref().is_some_and(|error| stderr.contains(error)) {
+                tally.wrong.push(format!("{}: reported, expected {expected:?}: {stderr}", context()));
             }
         }
     }

@@ -13,7 +13,18 @@ const SOURCE: &str = include_str!("inject.c");
 /// Exit code of the tracer if the system does not allow tracing.
 const UNTRACEABLE: i32 = 125;
 
-/// Fault at the chosen call.
+/// A signal interrupted the call.
+pub const EINTR: i32 = 4;
+/// The disk is broken.
+pub const EIO: i32 = 5;
+/// No permission.
+pub const EACCES: i32 = 13;
+/// The disk is full.
+pub const ENOSPC: i32 = 28;
+/// The disk must not be written to.
+pub const EROFS: i32 = 30;
+
+/// Fault at the chosen call. Errors have their numbers on Linux.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// No fault: the calls are only listed.
@@ -25,37 +36,9 @@ pub enum Fault {
     /// A read or write moves half of the bytes.
     Short,
     /// The call fails.
-    Error(Errno),
+    Error(i32),
     /// The call fails, and so do all later ones that need disk space.
-    Full(Errno),
-}
-
-/// An error of the system.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Errno {
-    /// A signal interrupted the call.
-    Interrupted,
-    /// The disk is broken.
-    Io,
-    /// No permission.
-    Denied,
-    /// The disk is full.
-    NoSpace,
-    /// The disk must not be written to.
-    ReadOnly,
-}
-
-impl Errno {
-    /// Its number on Linux.
-    pub fn number(self) -> i32 {
-        match self {
-            Self::Interrupted => 4,
-            Self::Io => 5,
-            Self::Denied => 13,
-            Self::NoSpace => 28,
-            Self::ReadOnly => 30,
-        }
-    }
+    Full(i32),
 }
 
 impl Fault {
@@ -64,15 +47,15 @@ impl Fault {
         Self::Kill,
         Self::Torn,
         Self::Short,
-        Self::Error(Errno::Interrupted),
-        Self::Error(Errno::Io),
-        Self::Error(Errno::Denied),
-        Self::Full(Errno::NoSpace),
-        Self::Full(Errno::ReadOnly),
+        Self::Error(EINTR),
+        Self::Error(EIO),
+        Self::Error(EACCES),
+        Self::Full(ENOSPC),
+        Self::Full(EROFS),
     ];
 
     /// The error with which calls fail, if they fail.
-    pub fn errno(self) -> Option<Errno> {
+    pub fn errno(self) -> Option<i32> {
         match self {
             Self::Error(errno) | Self::Full(errno) => Some(errno),
             _ => None,
@@ -87,8 +70,8 @@ impl fmt::Display for Fault {
             Self::Kill => f.write_str("kill"),
             Self::Torn => f.write_str("torn"),
             Self::Short => f.write_str("short"),
-            Self::Error(errno) => write!(f, "errno={}", errno.number()),
-            Self::Full(errno) => write!(f, "full={}", errno.number()),
+            Self::Error(errno) => write!(f, "errno={errno}"),
+            Self::Full(errno) => write!(f, "full={errno}"),
         }
     }
 }

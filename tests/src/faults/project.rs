@@ -19,6 +19,7 @@ use std::{
     process::{Command, Output},
 };
 
+use hullmap_testkit::files::{self, contents};
 use serde_json::Value;
 use shapes::families::Family;
 use tempfile::TempDir;
@@ -97,9 +98,7 @@ impl Project {
     }
 
     fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
-        let path = self.path(name);
-        fs::create_dir_all(path.parent().expect("files are in a folder")).expect("the folder is ours");
-        fs::write(path, bytes).expect("the folder is ours");
+        files::write(self.folder(), name, bytes);
     }
 
     /// The project's folder.
@@ -131,9 +130,7 @@ impl Project {
 
     /// Everything in the output folder.
     pub fn output(&self) -> Files {
-        let mut files = Files::new();
-        collect(self.folder(), "o", &mut files);
-        files
+        contents(&self.path("o")).into_iter().map(|(name, bytes)| (format!("o/{name}"), bytes)).collect()
     }
 
     /// Names of the outputs that differ between old and new.
@@ -256,17 +253,6 @@ fn rows(stdout: &[u8]) -> Result<Vec<Value>, String> {
 fn is_temporary(name: &str) -> bool {
     let name = name.rsplit('/').next().unwrap_or(name);
     name.starts_with('.') && name.ends_with(".tmp")
-}
-
-fn collect(root: &Path, below: &str, files: &mut Files) {
-    for entry in fs::read_dir(root.join(below)).into_iter().flatten().flatten() {
-        let name = format!("{below}/{}", entry.file_name().to_string_lossy());
-        if entry.path().is_dir() {
-            collect(root, &name, files);
-        } else if let Ok(bytes) = fs::read(entry.path()) {
-            files.insert(name, bytes);
-        }
-    }
 }
 
 /// Points on a sphere as OBJ text.

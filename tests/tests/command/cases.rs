@@ -142,4 +142,4 @@ macro_rules! files {
     };
 }
 
-files! { check decompose export farm guides input names options report robot surfaces untrusted verify }
+files! { assets check decompose export farm guides input names options report robot surfaces untrusted verify }

@@ -3,7 +3,6 @@
 
 use std::{
     fs,
-    process::{Command, Stdio},
     sync::atomic::{AtomicBool, Ordering::Relaxed},
 };
 
@@ -11,7 +10,7 @@ use hullmap_testkit::command::{bake_in, bake_line, binary};
 use hullmap_testkit::files::folder;
 use hullmap_tests::faults::{
     calls,
-    inject::{Errno, Fault, Injector},
+    inject::{EACCES, EINTR, EIO, ENOSPC, Fault, Injector},
     power::{self, Op},
     project::Project,
 };
@@ -31,10 +30,8 @@ fn a_fault_at_every_system_call() {
     let tally = calls::at_every_call(binary(), &injector, THREADS, |call| Fault::ALL[call % Fault::ALL.len()]);
     println!("{tally}");
     assert!(tally.wrong.is_empty(), "{:#?}", tally.wrong);
-    assert!(
-        tally.bakes >= 200 && tally.reported > 40 && tally.absorbed > 20 && tally.mixed > 30,
-        "representative: {tally}"
-    );
+    let [reported, absorbed, mixed] = ["reported", "absorbed", "mixed"].map(|outcome| tally.of(outcome));
+    assert!(tally.bakes >= 200 && reported > 40 && absorbed > 20 && mixed > 30, "representative: {tally}");
 }
 
 #[test]
@@ -63,23 +60,6 @@ const CUBE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 
 #[track_caller]
 fn bake(folder: &tempfile::TempDir, line: &str, code: i32) -> String {
     bake_line(folder, line).expect(code).stderr
-}
-
-/// The packs are complete, and the failure to print the table is reported.
-#[test]
-fn a_full_disk_behind_standard_output_is_reported() {
-    let Ok(full) = fs::File::options().write(true).open("/dev/full") else {
-        println!("skipped: there is no /dev/full here");
-        return;
-    };
-    let folder = folder(&[("in/a.obj", CUBE)]);
-    let mut command = Command::new(binary());
-    command.args(["build", "in", "--out", "o"]).current_dir(folder.path()).stdout(Stdio::from(full));
-    let run = command.output().unwrap();
-    let message = String::from_utf8_lossy(&run.stderr);
-    assert_eq!(run.status.code(), Some(2), "{message}");
-    assert!(message.contains("cannot write the results") && message.contains("os error 28"), "{message}");
-    bake(&folder, "build in --out o --check", 0);
 }
 
 /// The source is truncated and rewritten in place, not replaced by renaming as careful editors do.
@@ -125,7 +105,7 @@ fn unreadable_options_are_an_error() {
     assert!(reads.len() >= 2);
     for at in reads {
         fs::remove_dir_all(folder.path().join("o")).ok();
-        let (run, _) = injector.run(binary(), &words, folder.path(), at, Fault::Error(Errno::Io));
+        let (run, _) = injector.run(binary(), &words, folder.path(), at, Fault::Error(EIO));
         let message = String::from_utf8_lossy(&run.stderr);
         // A failure to read its length is harmless: the length only saves time.
         let is_absorbed = run.status.code() == Some(0);
@@ -147,7 +127,7 @@ fn no_pack_is_pruned_on_a_broken_disk() {
     let mut tried = 0;
     for (at, call) in (1..).zip(&calls) {
         if call.path.contains("b.obj") || call.path.contains("b.hullmap") {
-            for errno in [Errno::Io, Errno::Denied, Errno::Interrupted] {
+            for errno in [EIO, EACCES, EINTR] {
                 injector.run(binary(), &words, folder.path(), at, Fault::Error(errno));
                 assert!(folder.path().join("o/b.hullmap").exists(), "{errno:?} at {call:?}");
                 tried += 1;
@@ -166,7 +146,7 @@ fn a_failed_init_leaves_nothing() {
     let (_, calls) = injector.run(binary(), &["init"], folder.path(), 0, Fault::None);
     let whole = fs::read(&made).unwrap();
     for at in 1..=calls.len() {
-        for fault in [Fault::Full(Errno::NoSpace), Fault::Error(Errno::Io), Fault::Kill, Fault::Torn] {
+        for fault in [Fault::Full(ENOSPC), Fault::Error(EIO), Fault::Kill, Fault::Torn] {
             fs::remove_file(&made).ok();
             let (run, _) = injector.run(binary(), &["init"], folder.path(), at, fault);
             match fs::read(&made) {

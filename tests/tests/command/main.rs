@@ -1,7 +1,5 @@
 //! The `bake` command, run as its users run it.
 
-mod assets;
-mod budgets;
 #[cfg(target_os = "linux")]
 mod cases;
 mod document;

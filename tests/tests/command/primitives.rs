@@ -5,9 +5,11 @@ use std::fs;
 
 use glam::{DQuat, DVec3};
 use hullmap::Pack;
-use hullmap_testkit::command::bake_line as bake;
+use hullmap_testkit::command::{Run, bake_line as bake};
+use hullmap_testkit::files::{contents, folder, write};
 use hullmap_testkit::packs::{Further, with_record};
 use shapes::{mesh::Mesh, obj::text, rng::SplitMix64, solids::lathe};
+use tempfile::TempDir;
 
 use crate::parts::boxes;
 
@@ -22,8 +24,12 @@ const TABLE: [[[f64; 3]; 2]; 5] = [
     [[2.6, 1.6, -1.4], [2.9, 1.9, 0.0]],
 ];
 
-fn table() -> String {
-    boxes(&TABLE.map(|bounds| ("", bounds)))
+/// A folder with the table as a mesh, and with its pack in `baked`; and the run.
+fn baked_table() -> (TempDir, Run) {
+    let folder = folder(&[("table.obj", &boxes(&TABLE.map(|bounds| ("", bounds))))]);
+    let line = "build table.obj --out baked --decompose --max-error 1% --set primitives=true --json";
+    let row = bake(&folder, line).expect(0);
+    (folder, row)
 }
 
 /// A body of revolution with round ends, between which it is straight.
@@ -43,17 +49,12 @@ fn numbers(element: &str, attribute: &str) -> Vec<f64> {
 #[test]
 fn a_table_is_exported_as_boxes() {
     println!("seed {SEED}");
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("table.obj"), table()).unwrap();
-    let row =
-        bake(&folder, "build table.obj --out baked --decompose --max-error 1% --set primitives=true --json").expect(0);
+    let (folder, row) = baked_table();
     let notes = row.json()[0]["notes"].to_string();
     assert!(notes.contains("5 of 5 parts can be replaced by a box, sphere, capsule or cylinder, proven"), "{notes}");
     bake(&folder, "export baked/table.hullmap --for mjcf --out mjcf").expect(0);
     // No mesh is written.
-    let listed: Vec<_> =
-        fs::read_dir(folder.path().join("mjcf")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-    assert_eq!(listed, ["table.xml"]);
+    assert!(contents(&folder.path().join("mjcf")).keys().eq(["table.xml"]));
     let text = fs::read_to_string(folder.path().join("mjcf/table.xml")).unwrap();
     let geoms: Vec<&str> = text.split("<geom ").skip(1).collect();
     let boxes: Vec<(DVec3, DVec3, DQuat)> = geoms
@@ -139,20 +140,17 @@ fn round_bodies_are_exported_as_what_they_are() {
 
 #[test]
 fn wrong_primitives_fail_verify() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("table.obj"), table()).unwrap();
-    bake(&folder, "build table.obj --out baked --decompose --max-error 1% --set primitives=true").expect(0);
+    let (folder, _) = baked_table();
     let file = fs::read(folder.path().join("baked/table.hullmap")).unwrap();
     let size = Pack::from_bytes(&file).unwrap().hull(0).unwrap().primitive().unwrap().sizes[0];
-    let verified = |edited: &[u8], exit: i32| {
-        fs::create_dir_all(folder.path().join("false")).unwrap();
-        fs::write(folder.path().join("false/table.hullmap"), edited).unwrap();
-        bake(&folder, "verify false --source table.obj --json --directions 100").expect(exit).stdout
-    };
-    verified(&file, 0);
-    let sized = |factor: f64| with_record(&file, Further::Primitives, 0, 64, &(factor * size).to_le_bytes());
-    let found = verified(&sized(0.99), 1);
-    assert!(found.contains("is in this part, but not in the box that may replace it"), "{found}");
-    let found = verified(&sized(1.5), 1);
-    assert!(found.contains("outside the solid, but the pack records at most"), "{found}");
+    for (factor, exit, expected) in [
+        (1.0, 0, ""),
+        (0.99, 1, "is in this part, but not in the box that may replace it"),
+        (1.5, 1, "outside the solid, but the pack records at most"),
+    ] {
+        let edited = with_record(&file, Further::Primitives, 0, 64, &(factor * size).to_le_bytes());
+        write(&folder, "baked/table.hullmap", edited);
+        let found = bake(&folder, "verify baked --source table.obj --json --directions 100").expect(exit).stdout;
+        assert!(found.contains(expected), "{factor}: {found}");
+    }
 }

@@ -14,7 +14,7 @@ use std::{
 
 use hullmap_testkit::{
     command::{Run, bake_in},
-    files::workspace,
+    files::{folder, workspace, write},
 };
 use shapes::families::Family;
 use tempfile::TempDir;
@@ -63,14 +63,13 @@ impl Loaded {
     }
 }
 
-/// The browser. If there is no browser, prints what is skipped and returns `None`.
-fn browser(test: &str) -> Option<&'static str> {
+/// The browser. If there is no browser, prints that the rest of the test is skipped.
+fn browser() -> Option<&'static str> {
     static FOUND: OnceLock<Option<&str>> = OnceLock::new();
-    let answers =
-        |name: &&str| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success());
+    let answers = |name: &&str| Command::new(name).arg("--version").output().is_ok_and(|out| out.status.success());
     let found = *FOUND.get_or_init(|| BROWSERS.into_iter().find(answers));
     if found.is_none() {
-        println!("skipped: {test}: no Chromium is installed");
+        println!("skipped: {:?}: no Chromium is installed", std::thread::current().name());
     }
     found
 }
@@ -78,15 +77,8 @@ fn browser(test: &str) -> Option<&'static str> {
 /// Loads a page, again if its script did not end: on a busy machine, the browser's own time may run
 /// out before.
 fn load(browser: &str, page: &Path, more: &[&str]) -> Loaded {
-    let mut loaded = load_once(browser, page, more);
-    for _ in 1..ATTEMPTS {
-        if loaded.dom.contains("data-ready") {
-            break;
-        }
-        println!("{}: loaded again", page.display());
-        loaded = load_once(browser, page, more);
-    }
-    loaded
+    let mut loads = (0..ATTEMPTS).map(|_| load_once(browser, page, more));
+    loads.find(|loaded| loaded.dom.contains("data-ready")).expect("the script of the page ends")
 }
 
 /// Loads a page, with WebGL in software.
@@ -108,19 +100,13 @@ fn load_once(browser: &str, page: &Path, more: &[&str]) -> Loaded {
 }
 
 fn address(page: &Path) -> String {
-    let path: String = page
-        .canonicalize()
-        .unwrap()
-        .to_str()
-        .unwrap()
-        .bytes()
-        .map(|byte| match byte {
-            b'/' | b'.' | b'_' | b'-' => char::from(byte).to_string(),
-            _ if byte.is_ascii_alphanumeric() => char::from(byte).to_string(),
-            _ => format!("%{byte:02X}"),
-        })
-        .collect();
-    format!("file://{path}")
+    let path = page.canonicalize().unwrap();
+    let escaped = path.to_str().unwrap().bytes().map(|byte| match byte {
+        b'/' | b'.' | b'_' | b'-' => char::from(byte).to_string(),
+        _ if byte.is_ascii_alphanumeric() => char::from(byte).to_string(),
+        _ => format!("%{byte:02X}"),
+    });
+    format!("file://{}", escaped.collect::<String>())
 }
 
 fn run(folder: &TempDir, words: &[&str]) -> Run {
@@ -136,11 +122,9 @@ fn load_open(browser: &str, page: &Path, more: &[&str]) -> Loaded {
 
 /// A folder with packs of these assets.
 fn baked(assets: &[&str], more: &[&str]) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    fs::create_dir(folder.path().join("in")).unwrap();
-    for asset in assets {
-        let name = format!("{asset}.obj");
-        fs::copy(workspace().join("assets").join(&name), folder.path().join("in").join(name)).unwrap();
+    let folder = folder(&[]);
+    for name in assets.iter().map(|asset| format!("{asset}.obj")) {
+        write(&folder, &format!("in/{name}"), fs::read(workspace().join("assets").join(&name)).unwrap());
     }
     run(&folder, &[&["build", "in", "--out", "packs"], more].concat()).expect(0);
     folder
@@ -156,11 +140,16 @@ fn text(path: impl AsRef<Path>) -> String {
     fs::read_to_string(path).unwrap()
 }
 
+/// Points as OBJ text.
+fn cloud(points: impl IntoIterator<Item = [f32; 3]>) -> String {
+    points.into_iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect()
+}
+
 #[test]
 fn a_page_draws_mesh_hull_and_map() {
     let assets = ["rock", "gear", "flat_sheet", "segment", "single_point", "point_cloud"];
     let folder = baked(&assets, &[]);
-    let Some(browser) = browser("a_page_draws_mesh_hull_and_map") else { return };
+    let Some(browser) = browser() else { return };
     for asset in assets {
         let loaded = load_open(browser, &page(&folder, asset), &[]);
         loaded.assert_sound();
@@ -194,7 +183,7 @@ fn a_page_draws_mesh_hull_and_map() {
 fn a_pack_of_many_hulls_has_a_choice() {
     let folder = baked(&["two_objects"], &["--split", "object"]);
     let page = page(&folder, "two_objects");
-    let Some(browser) = browser("a_pack_of_many_hulls_has_a_choice") else { return };
+    let Some(browser) = browser() else { return };
     let loaded = load(browser, &page, &[]);
     loaded.assert_sound();
     assert_eq!(loaded.attribute("html ", "data-hull"), "all");
@@ -222,7 +211,7 @@ fn acted(browser: &str, page: &Path, script: &str) -> Loaded {
 fn keys_turn_the_hull_and_walk_over_the_map() {
     let folder = baked(&["pawn"], &[]);
     let page = page(&folder, "pawn");
-    let Some(browser) = browser("keys_turn_the_hull_and_walk_over_the_map") else { return };
+    let Some(browser) = browser() else { return };
     let act = "const press = (id, key) => document.getElementById(id).dispatchEvent(new KeyboardEvent('keydown', { key, bubbles: true }));
         const pixels = (id) => document.getElementById(id).toDataURL();
         document.getElementById('more').open = true;
@@ -247,7 +236,7 @@ fn keys_turn_the_hull_and_walk_over_the_map() {
 fn without_webgl_there_is_a_message_and_a_still_picture() {
     let folder = baked(&["gear"], &[]);
     let page = page(&folder, "gear");
-    let Some(browser) = browser("without_webgl_there_is_a_message_and_a_still_picture") else { return };
+    let Some(browser) = browser() else { return };
     let loaded = load_open(browser, &page, &["--disable-3d-apis"]);
     loaded.assert_sound();
     assert_eq!(loaded.attribute("html ", "data-webgl"), "false");
@@ -277,7 +266,7 @@ fn a_folder_has_an_index_and_a_page_a_pack() {
     // The pack that was moved has lost its source.
     assert!(index.contains("chip odd\">mesh not found: 1<") && index.contains("hull flat_sheet is flat: its "));
 
-    let Some(browser) = browser("a_folder_has_an_index_and_a_page_a_pack") else { return };
+    let Some(browser) = browser() else { return };
     let loaded = load(browser, &folder.path().join("site/report.html"), &[]);
     loaded.assert_sound();
     assert_eq!(loaded.attribute("html ", "data-pictures"), "4");
@@ -305,6 +294,13 @@ fn comb() -> String {
     prism(&[&[(0.0, 0.0), (4.2, 0.0)], &teeth[..], &[(1.0, 3.0), (0.0, 3.0)]].concat())
 }
 
+/// The packs of a comb, of this accuracy.
+fn baked_comb(max_error: &str) -> TempDir {
+    let folder = folder(&[("u.obj", &comb())]);
+    run(&folder, &["build", "u.obj", "--out", "packs", "--decompose", "--max-error", max_error]).expect(0);
+    folder
+}
+
 /// A prism from z = 0 to 1, with a point that nothing references, and one that equals another.
 fn prism(outline: &[(f64, f64)]) -> String {
     let count = outline.len();
@@ -320,49 +316,17 @@ fn prism(outline: &[(f64, f64)]) -> String {
     format!("{corners}v 9 9 9\nv 0 0 0\n{sides}f{bottom}\nf{top}\nf 1 {} 2\n", 2 * count + 2)
 }
 
-/// The data that a page draws.
-fn data(page: &str) -> serde_json::Value {
-    let text = page.split("id=\"data\">").nth(1).unwrap().split("</script>").next().unwrap();
-    serde_json::from_str(text).unwrap()
-}
-
-/// Cells of a column, by its head, of the table whose caption has `mark` in it.
-fn column(page: &str, mark: &str, head: &str) -> Vec<String> {
-    let table = page.split_once(mark).unwrap().1.split("<table").nth(1).unwrap().split("</table>").next().unwrap();
-    let cells = |row: &str, tag: &str| -> Vec<String> {
-        let cells = row.split(tag).skip(1).map(|cell| cell.split_once('>').unwrap().1);
-        cells.map(|cell| cell.split("</t").next().unwrap().to_owned()).collect()
-    };
-    let column = cells(table.split("</thead>").next().unwrap(), "<th ").iter().position(|name| name == head);
-    let column = column.unwrap_or_else(|| panic!("no column {head}"));
-    let rows = table.split("<tbody>").nth(1).unwrap().split("<tr>").skip(1);
-    rows.map(|row| cells(row, "<td")[column].clone()).collect()
-}
-
-const OF_HULLS: &str = "The hulls of the pack.";
-const OF_VERIFICATION: &str = "Support queries of the runtime compared with every point of the source";
-
-/// The hulls of the only pack in the folder `packs`, as `bake inspect` describes them.
-fn hulls_of(folder: &TempDir) -> Vec<serde_json::Value> {
-    run(folder, &["inspect", "packs", "--json"]).expect(0).json()[0]["hulls"].as_array().unwrap().clone()
-}
-
 /// The table of hulls was cut off at 1,400 px, and its last columns had to be scrolled into view.
 #[test]
 fn tables_fit_a_screen_of_1400_px() {
-    let folder = tempfile::tempdir().unwrap();
     let name = "a_long_name_without_spaces_of_a_mesh_that_somebody_exported";
-    fs::create_dir(folder.path().join("in")).unwrap();
-    fs::write(folder.path().join(format!("in/{name}.obj")), comb()).unwrap();
     let points = Family::Rock.points(2_000, 5);
-    let cloud = |scale: f32| -> String {
-        points.iter().map(|p| p.map(|x| x * scale)).map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect()
-    };
-    fs::write(folder.path().join("in/small.obj"), cloud(1e-7)).unwrap();
-    fs::write(folder.path().join("in/large.obj"), cloud(1e7)).unwrap();
+    let rock = |scale: f32| cloud(points.iter().map(|p| p.map(|x| x * scale)));
+    let files = [(&*format!("in/{name}.obj"), comb()), ("in/small.obj", rock(1e-7)), ("in/large.obj", rock(1e7))];
+    let folder = folder(&files.each_ref().map(|(name, text)| (*name, text.as_str())));
     run(&folder, &["build", "in", "--out", "packs", "--decompose", "--max-error", "30%", "--set", "index=cubemap"])
         .expect(0);
-    let Some(browser) = browser("tables_fit_a_screen_of_1400_px") else { return };
+    let Some(browser) = browser() else { return };
     let measure = "<script>{ const wide = [...document.querySelectorAll(\".scroll\")].filter((box) => \
                    box.scrollWidth > box.clientWidth + 1).map((box) => box.getAttribute(\"aria-label\").slice(0, 40)); \
                    document.documentElement.dataset.wide = `${document.querySelectorAll(\".scroll\").length} tables, \
@@ -378,37 +342,16 @@ fn tables_fit_a_screen_of_1400_px() {
     }
 }
 
-/// The table of parts has the worst part first, with the colour in which the pictures show it.
+/// The page marks the greatest protrusion. The slider pulls the parts apart, and buttons show one.
+/// `tests/cases/report.md` has the contents of the page.
 #[test]
-fn the_worst_part_is_first_and_has_its_colour() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("u.obj"), comb()).unwrap();
-    run(&folder, &["build", "u.obj", "--out", "packs", "--decompose", "--max-error", "5%"]).expect(0);
+fn buttons_show_parts_and_the_worst_place() {
+    let folder = baked_comb("5%");
     let page = page(&folder, "u");
     let html = text(&page);
-    let section = html.split("id=\"parts\"").nth(1).unwrap().split("</section>").next().unwrap();
-    let rows: Vec<&str> = section.split("<tr data-part=\"").skip(1).collect();
-    let (hulls, drawn) = (hulls_of(&folder), data(&html));
-    assert_eq!(rows.len(), hulls.len());
-    let mut before = f64::INFINITY;
-    for row in rows {
-        let number: usize = row.split('"').next().unwrap().parse().unwrap();
-        let protrusion = hulls[number]["protrusion"].as_f64().unwrap();
-        assert!(protrusion <= before, "{section}");
-        before = protrusion;
-        let colour: Vec<u64> =
-            drawn["hulls"][number]["colour"].as_array().unwrap().iter().map(|c| c.as_u64().unwrap()).collect();
-        assert!(row.contains(&format!("rgb({},{},{})", colour[0], colour[1], colour[2])), "{row}");
-    }
-    for word in
-        ["Overlap, of their union", "Mean protrusion", "Worst protrusion", "Surface uncovered", "Solid in no part"]
-    {
-        assert!(html.contains(word), "{word}");
-    }
-    let Some(browser) = browser("the_worst_part_is_first_and_has_its_colour") else { return };
-    // The page marks the greatest protrusion. The slider pulls the parts apart.
+    let worst = html.split("<tr data-part=\"").nth(1).unwrap().split('"').next().unwrap();
+    let Some(browser) = browser() else { return };
     let state = |loaded: &Loaded| ["data-spread", "data-spot"].map(|name| loaded.attribute("html ", name).to_owned());
-    let worst = section.split("<tr data-part=\"").nth(1).unwrap().split('"').next().unwrap();
     assert_eq!(state(&load(browser, &page, &[])), ["0", worst]);
     let act = "const act = (id, change, kind) => { change(document.getElementById(id)); \
                document.getElementById(id).dispatchEvent(new Event(kind)); }; \
@@ -421,63 +364,24 @@ fn the_worst_part_is_first_and_has_its_colour() {
     let second = loaded.attribute("html ", "data-part").to_owned();
     let pressed = "<td class=\"word name\"><button type=\"button\" aria-pressed=\"true\"";
     assert!(loaded.dom.contains(&format!("<tr data-part=\"{second}\">{pressed}")));
+    let show = "document.getElementById('show-worst').click();";
+    for (act, part, is_pressed) in
+        [(show, worst, "true"), (&format!("{show} document.getElementById('reset').click();"), "none", "false")]
+    {
+        let loaded = acted(browser, &page, act);
+        loaded.assert_sound();
+        assert_eq!(loaded.attribute("html ", "data-part"), part);
+        assert_eq!(loaded.attribute("id=\"show-worst\"", "aria-pressed"), is_pressed);
+    }
 }
 
-/// Terms of the index and the solver stood above the pictures.
+/// `tests/cases/report.md` has the axes of all formats.
 #[test]
-fn a_page_opens_with_the_pictures_and_the_worst_place_in_plain_words() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("u.obj"), comb()).unwrap();
-    run(&folder, &["build", "u.obj", "--out", "packs", "--decompose", "--max-error", "5%"]).expect(0);
+fn a_button_turns_the_mesh() {
+    let folder = folder(&[("u.obj", &comb())]);
+    run(&folder, &["build", "u.obj", "--out", "packs", "--quiet"]).expect(0);
     let page = page(&folder, "u");
-    let html = text(&page);
-    let body = html.split("<body>").nth(1).unwrap();
-    let (opening, details) = body.split_once("<details class=\"fold\"").unwrap();
-    for term in ["Gauss", "regret", "Nodes", "nodes", "Dot products", "Bytes per vertex", "index tree"] {
-        assert!(!opening.contains(term) && details.contains(term), "{term}");
-    }
-    let at = |mark: &str| opening.find(mark).unwrap_or_else(|| panic!("no {mark}"));
-    assert!(at("class=\"headline\"") < at("<canvas") && at("<canvas") < at("Worst place:"));
-    assert!(at("Worst place:") < at("id=\"parts\""));
-    let hulls = hulls_of(&folder);
-    let far = |hull: &serde_json::Value| hull["protrusion"].as_f64().unwrap();
-    let worst = (0..hulls.len()).rev().max_by(|a, b| far(&hulls[*a]).total_cmp(&far(&hulls[*b]))).unwrap();
-    let place = opening.split("Worst place:").nth(1).unwrap().split("<button").next().unwrap();
-    let name = hulls[worst]["name"].as_str().unwrap();
-    assert!(place.contains(&format!("part #{worst} (<span class=\"name\">{name}</span>)")), "{place}");
-    // The box of the mesh is 4.2 by 3 by 1.
-    let share = 100.0 * far(&hulls[worst]) / (4.2_f64 * 4.2 + 9.0 + 1.0).sqrt();
-    assert!(place.contains(&format!("({share:.1}\u{a0}% of the mesh's diagonal)")), "{share} {place}");
-    let Some(browser) = browser("a_page_opens_with_the_pictures_and_the_worst_place_in_plain_words") else { return };
-    let loaded = acted(browser, &page, "document.getElementById('show-worst').click();");
-    loaded.assert_sound();
-    assert_eq!(loaded.attribute("html ", "data-part"), worst.to_string());
-    assert_eq!(loaded.attribute("id=\"show-worst\"", "aria-pressed"), "true");
-    let act = "document.getElementById('show-worst').click(); document.getElementById('reset').click();";
-    let loaded = acted(browser, &page, act);
-    assert_eq!(loaded.attribute("html ", "data-part"), "none");
-    assert_eq!(loaded.attribute("id=\"show-worst\"", "aria-pressed"), "false");
-}
-
-/// A mesh in glTF lay on its side.
-#[test]
-fn meshes_stand_as_their_format_says_and_a_button_turns_them() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::create_dir(folder.path().join("in")).unwrap();
-    let formats = workspace().join("tests/cases/meshes/formats");
-    for (from, to) in [("binary.glb", "a.glb"), ("solid.stl", "b.stl"), ("big.ply", "c.ply")] {
-        fs::copy(formats.join(from), folder.path().join("in").join(to)).unwrap();
-    }
-    fs::write(folder.path().join("in/d.obj"), comb()).unwrap();
-    run(&folder, &["build", "in", "--out", "packs", "--quiet"]).expect(0);
-    let up = |pack: &str| data(&text(page(&folder, pack)))["up"].as_str().unwrap().to_owned();
-    assert_eq!(["a", "b", "c", "d"].map(up), ["y", "z", "z", "y"]);
-    run(&folder, &["build", "in", "--out", "packs", "--quiet", "--set", "up_axis=y-to-z"]).expect(0);
-    assert_eq!(up("a"), "z", "turned by the bake");
-    run(&folder, &["report", "packs/b.hullmap", "--out", "page.html", "--up", "y"]).expect(0);
-    let page = folder.path().join("page.html");
-    assert_eq!(data(&text(&page))["up"], "y");
-    let Some(browser) = browser("meshes_stand_as_their_format_says_and_a_button_turns_them") else { return };
+    let Some(browser) = browser() else { return };
     let state = |loaded: &Loaded| loaded.attribute("html ", "data-up").to_owned();
     assert_eq!(state(&load(browser, &page, &[])), "y");
     let loaded = acted(browser, &page, "document.getElementById('turn').click();");
@@ -488,19 +392,15 @@ fn meshes_stand_as_their_format_says_and_a_button_turns_them() {
 /// At the angle of other meshes, the ground took a seventh of the picture.
 #[test]
 fn a_level_is_seen_from_above() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(
-        folder.path().join("ground.stl"),
-        "solid ground\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n\
-        vertex 9 0 0\nvertex 9 9 0\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 9 0\n\
-        vertex 0 9 0\nendloop\nendfacet\nendsolid ground\n",
-    )
-    .unwrap();
+    let corner = |x: i32, y: i32| format!("vertex {x} {y} 0\n");
+    let facet = |[a, b, c]: [String; 3]| format!("facet normal 0 0 1\nouter loop\n{a}{b}{c}endloop\nendfacet\n");
+    let facets = [[(0, 0), (9, 0), (9, 9)], [(0, 0), (9, 9), (0, 9)]].map(|t| facet(t.map(|(x, y)| corner(x, y))));
+    let folder = folder(&[("ground.stl", &format!("solid ground\n{}endsolid ground\n", facets.concat()))]);
     run(&folder, &["build", "ground.stl", "--out", "packs", "--keep-triangles"]).expect(0);
     run(&folder, &["report", "packs/ground.hullmesh", "--out", "page.html"]).expect(0);
     let page = folder.path().join("page.html");
     assert!(text(&page).contains("A level of 2 triangles, kept as they are. It measures 9 × 9 × 0 units."));
-    let Some(browser) = browser("a_level_is_seen_from_above") else { return };
+    let Some(browser) = browser() else { return };
     let loaded = load(browser, &page, &[]);
     loaded.assert_sound();
     assert!(loaded.share("mesh") > 0.1, "{}", loaded.share("mesh"));
@@ -509,14 +409,12 @@ fn a_level_is_seen_from_above() {
 /// Pages were wider than a phone.
 #[test]
 fn pages_fit_a_phone_of_390_px() {
-    let folder = tempfile::tempdir().unwrap();
-    let name = "a_long_name_without_spaces_of_a_mesh_that_somebody_exported_from_a_program";
-    fs::create_dir(folder.path().join("in")).unwrap();
-    fs::write(folder.path().join(format!("in/{name}.obj")), comb()).unwrap();
+    let name = "in/a_long_name_without_spaces_of_a_mesh_that_somebody_exported_from_a_program.obj";
+    let folder = folder(&[(name, &comb())]);
     run(&folder, &["build", "in", "--out", "packs", "--decompose", "--max-error", "5%"]).expect(0);
     run(&folder, &["build", "in", "--out", "packs", "--keep-triangles"]).expect(0);
     run(&folder, &["report", "packs", "--out", "all.html"]).expect(0);
-    let Some(browser) = browser("pages_fit_a_phone_of_390_px") else { return };
+    let Some(browser) = browser() else { return };
     let index = text(folder.path().join("all.html"));
     let mut pages: Vec<String> = links(&index).iter().map(|link| decoded(link)).collect();
     pages.dedup();
@@ -536,57 +434,13 @@ fn pages_fit_a_phone_of_390_px() {
 }
 
 #[test]
-fn convex_parts_are_verified_against_the_source_cut_again() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("u.obj"), comb()).unwrap();
-    let built = run(&folder, &["build", "u.obj", "--out", "packs", "--decompose", "--max-error", "5%", "--json"])
-        .expect(0)
-        .json();
-    run(&folder, &["report", "packs/u.hullmap", "--out", "page.html"]).expect(0);
-    let page = text(folder.path().join("page.html"));
-    let parts = built[0]["hulls"].as_u64().unwrap() as usize;
-    assert!(parts >= 2, "{built:?}");
-    let data = data(&page);
-    assert_eq!(data["hulls"].as_array().unwrap().len(), parts);
-    assert!(data["hulls"].as_array().unwrap().iter().all(|hull| hull["hull"]["shown"].as_u64().unwrap() > 0));
-    // The whole mesh is beside the parts: 12 quads, two ends of 10 triangles, and the loose one.
-    assert_eq!((data["meshes"].as_array().unwrap().len(), data["meshes"][0]["whole"].as_u64()), (1, Some(45)));
-    let verified = column(&page, OF_VERIFICATION, "result");
-    // Parts that protrude are not called exact.
-    let loose = hulls_of(&folder).iter().filter(|hull| hull["protrusion"].as_f64().unwrap() > 1e-5).count();
-    let within = verified.iter().filter(|cell| cell.contains("good\">within its bounds<")).count();
-    assert!(verified.len() == parts && loose > 0 && within >= loose, "{loose} {verified:?}");
-    assert!(page.contains("chip good\">verified<") && !page.contains(">exact</span></div>"));
-    assert_eq!(column(&page, OF_HULLS, "uncovered").len(), parts);
-    for (cell, hull) in column(&page, OF_HULLS, "protrusion").iter().zip(hulls_of(&folder)) {
-        let (shown, exact) = (cell.replace('−', "-").parse::<f64>().unwrap(), hull["protrusion"].as_f64().unwrap());
-        assert!((shown - exact).abs() <= 0.06 * exact, "{cell} {exact}");
-    }
-    assert!(column(&page, OF_HULLS, "outer error").iter().all(|cell| cell == "0"));
-    // The page shows all remarks of the bake, word for word.
-    let remarks: Vec<&str> = ["notes", "warnings"]
-        .iter()
-        .flat_map(|list| built[0][*list].as_array().unwrap())
-        .map(|text| text.as_str().unwrap())
-        .collect();
-    assert!(remarks.iter().any(|text| text.contains(&format!("{parts} parts"))), "{remarks:?}");
-    assert!(remarks.iter().any(|text| text.contains("no element references")), "{remarks:?}");
-    assert!(remarks.iter().any(|text| text.contains("equals an earlier one")), "{remarks:?}");
-    for text in remarks {
-        assert!(page.contains(&format!("</strong> {text}</li>")), "{text}");
-    }
-}
-
-#[test]
 fn hostile_names_stay_text() {
-    let folder = tempfile::tempdir().unwrap();
     let file = "a<b onclick='x'>&amp;\"{{data}} ☃.obj";
-    fs::create_dir(folder.path().join("in")).unwrap();
     let solid = |at: i32| format!("v {at} 0 0\nv {at} 1 0\nv {at} 0 1\nv {} 0 0\n", at + 1);
     let faces =
         |first: i32| format!("f {} {} {}\nf {} {} {}\n", first, first + 1, first + 2, first, first + 1, first + 3);
     let source = format!("o {HOSTILE}\n{}{}o \u{202e}{{{{style}}}}\u{1}\n{}{}", solid(0), faces(1), solid(5), faces(5));
-    fs::write(folder.path().join("in").join(file), source).unwrap();
+    let folder = folder(&[(&format!("in/{file}"), &source)]);
     run(&folder, &["build", "in", "--out", "packs", "--split", "object"]).expect(0);
     run(&folder, &["report", "packs", "--out", "report.html"]).expect(0);
     let index = text(folder.path().join("report.html"));
@@ -596,7 +450,7 @@ fn hostile_names_stay_text() {
         assert_eq!(text.matches("</script>").count(), text.matches("<script").count());
     }
     assert!(text(&page).contains("&lt;/script&gt;&lt;script&gt;document"));
-    let Some(browser) = browser("hostile_names_stay_text") else { return };
+    let Some(browser) = browser() else { return };
     for page in [&page, &folder.path().join("report.html")] {
         load(browser, page, &[]).assert_sound();
     }
@@ -609,23 +463,15 @@ fn hostile_names_stay_text() {
 
 #[test]
 fn large_meshes_and_many_hulls_stay_small() {
-    let folder = tempfile::tempdir().unwrap();
-    let sphere = Family::Sphere.points(40_000, 1);
-    let cloud: String = sphere.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
-    let mut many = String::new();
-    for object in 0..400 {
-        many += &format!("o part {object}\n");
-        for [x, y, z] in Family::Ball.points(40, object) {
-            let offset = [object % 20, object / 20].map(|step| step as f32 * 2.0);
-            many += &format!("v {} {} {z}\n", x + offset[0], y + offset[1]);
-        }
-        many += "f -1 -2 -3\n";
-    }
-    fs::create_dir(folder.path().join("in")).unwrap();
-    fs::write(folder.path().join("in/sphere.obj"), cloud).unwrap();
-    fs::write(folder.path().join("in/many.obj"), many).unwrap();
+    let object = |object: u64| {
+        let [right, up] = [object % 20, object / 20].map(|step| step as f32 * 2.0);
+        let points = Family::Ball.points(40, object).into_iter().map(|[x, y, z]| [x + right, y + up, z]);
+        format!("o part {object}\n{}f -1 -2 -3\n", cloud(points))
+    };
+    let many: String = (0..400).map(object).collect();
+    let folder = folder(&[("in/sphere.obj", &cloud(Family::Sphere.points(40_000, 1))), ("in/many.obj", &many)]);
     run(&folder, &["build", "in", "--out", "packs", "--split", "object", "--set", "vertices=all"]).expect(0);
-    let browser = browser("large_meshes_and_many_hulls_stay_small");
+    let browser = browser();
     for (pack, said) in [("sphere", "triangles"), ("many", "")] {
         let page = page(&folder, pack);
         let bytes = fs::metadata(&page).unwrap().len();
@@ -643,14 +489,11 @@ fn large_meshes_and_many_hulls_stay_small() {
 /// A joint that follows another turns with it: by −0.5 rad for each, and 0.1 more.
 #[test]
 fn robots_turn_at_their_sliders() {
-    let folder = tempfile::tempdir().unwrap();
-    for name in ["crowd.urdf", "meshes/bracket.obj"] {
-        let target = folder.path().join("in").join(name);
-        fs::create_dir_all(target.parent().unwrap()).unwrap();
-        fs::copy(workspace().join("tests/robots").join(name), target).unwrap();
-    }
+    let [robot, mesh] =
+        ["crowd.urdf", "meshes/bracket.obj"].map(|name| text(workspace().join("tests/robots").join(name)));
+    let folder = folder(&[("in/crowd.urdf", &robot), ("in/meshes/bracket.obj", &mesh)]);
     run(&folder, &["robot", "in/crowd.urdf", "--out", "out", "--report", "robot.html"]).expect(0);
-    let Some(browser) = browser("robots_turn_at_their_sliders") else { return };
+    let Some(browser) = browser() else { return };
     let act = "const pixels = () => document.getElementById('hull').toDataURL();
         const slider = document.querySelectorAll('#joints input')[2], before = pixels();
         slider.value = 0.6; slider.dispatchEvent(new Event('input'));

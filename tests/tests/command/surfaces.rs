@@ -9,11 +9,10 @@ use hullmap_bake::{
     SourceRecord,
     triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh},
 };
-use hullmap_format::{
-    header::{FileKind, HEADER_LEN, Header},
-    triangle_mesh::sections::Sections,
-};
+use hullmap_format::{header::HEADER_LEN, triangle_mesh::sections::Sections};
 use hullmap_testkit::command::bake_line as run;
+use hullmap_testkit::{files::folder, packs::reseal};
+use hullmap_tests::hostile::patch::payload;
 use shapes::rng::SplitMix64;
 use tempfile::TempDir;
 
@@ -40,14 +39,6 @@ fn level(cells: usize) -> String {
         }
     }
     text
-}
-
-/// A folder with this file, and an empty one `in`.
-fn folder_with(name: &str, text: &str) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    fs::create_dir(folder.path().join("in")).unwrap();
-    fs::write(folder.path().join(name), text).unwrap();
-    folder
 }
 
 /// Writes the triangles of the level to a file that claims to be of `in/level.obj`, after a change.
@@ -78,28 +69,18 @@ fn place<T>(payload: &[u8], section: &[T]) -> usize {
 
 /// Changes bytes of the payload, and gives the file a checksum that fits.
 fn patched(path: &Path, change: impl Fn(&Sections, &mut Vec<(usize, u8)>, &[u8])) {
-    let file = fs::read(path).unwrap();
-    let header = Header::read_kind(&file, FileKind::TriangleMesh).unwrap();
-    let length = file.len() - HEADER_LEN;
-    // Aligned as the sections require.
-    let mut room = vec![0_u8; length + HEADER_LEN];
-    let start = room.as_ptr().align_offset(HEADER_LEN);
-    room[start..start + length].copy_from_slice(&file[HEADER_LEN..]);
-    let mut changes = Vec::new();
-    let aligned = &room[start..start + length];
-    change(&Sections::read(aligned).unwrap(), &mut changes, aligned);
-    let mut payload = aligned.to_vec();
-    for (place, byte) in changes {
-        payload[place] = byte;
-    }
-    let header = Header::for_triangle_mesh(header.source_hash, header.options_hash, &payload);
-    fs::write(path, [&header.to_bytes()[..], &payload].concat()).unwrap();
+    let mut file = fs::read(path).unwrap();
+    let (payload, mut changes) = (payload(&file), Vec::new());
+    change(&Sections::read(&payload).unwrap(), &mut changes, &payload);
+    changes.into_iter().for_each(|(place, byte)| file[HEADER_LEN + place] = byte);
+    reseal(&mut file);
+    fs::write(path, file).unwrap();
 }
 
 /// Wrong contents in every section that a mesh has, in files that open.
 #[test]
 fn verify_finds_what_is_wrong_in_each_section() {
-    let folder = folder_with("in/level.obj", &level(6));
+    let folder = folder(&[("in/level.obj", &level(6))]);
     let path = folder.path().join("o/level.hullmesh");
     let fresh = || drop(run(&folder, "build in --out o --keep-triangles --force").expect(0));
     let fails = |name: &str, expected: &str| {
@@ -179,7 +160,7 @@ fn verify_finds_what_is_wrong_in_a_field() {
         "ncols 4\nnrows 3\nxllcorner 100\nyllcorner 200\ncellsize 10\nNODATA_value -1\n8 9 10 11\n4 5 6 -1\n0 1 2 3\n"
             .replace(from, to)
     };
-    let folder = folder_with("in/dem.asc", &grid(" ", " "));
+    let folder = folder(&[("in/dem.asc", &grid(" ", " "))]);
     let path = folder.path().join("o/dem.hullfield");
     run(&folder, "build in/dem.asc --out o --terrain").expect(0);
     let good = fs::read(&path).unwrap();
@@ -192,9 +173,7 @@ fn verify_finds_what_is_wrong_in_a_field() {
         run(&folder, "build in/dem.asc --out o --terrain").expect(0);
         let mut forged = fs::read(&path).unwrap();
         forged[24..40].copy_from_slice(&good[24..40]);
-        let header = Header::read_kind(&forged, FileKind::HeightField).unwrap();
-        let checksum = header.checksum_of(&forged[HEADER_LEN..]);
-        forged[56..HEADER_LEN].copy_from_slice(&checksum.to_le_bytes());
+        reseal(&mut forged);
         fs::write(&path, &forged).unwrap();
         fs::write(folder.path().join("in/dem.asc"), grid(" ", " ")).unwrap();
         for line in ["verify o", "report o --out page.html --directions 50"] {

@@ -7,7 +7,7 @@ use std::path::Path;
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_format::header::{HEADER_LEN, Header, source_hash};
 use hullmap_testkit::command::{bake_in, bake_line as bake};
-use hullmap_testkit::files::{folder, workspace};
+use hullmap_testkit::files::folder;
 use hullmap_testkit::packs::{self, point_set};
 
 const CUBE: &str = "o cube\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
@@ -98,42 +98,6 @@ fn json_keeps_every_character() {
         let file = row["output"].as_str().or(row["file"].as_str()).unwrap();
         assert_eq!(Path::new(file), Path::new("./").join(format!("{NAME}.hullmap")), "{line}");
     }
-}
-
-/// All text is printed through `terminal.rs`, which escapes every line.
-#[test]
-fn text_is_printed_by_one_file() {
-    fn search(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
-        for entry in fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                search(&path, found);
-            } else if path.extension().is_some_and(|extension| extension == "rs") && !path.ends_with("tests.rs") {
-                found.push(path);
-            }
-        }
-    }
-    let mut files = Vec::new();
-    for folder in ["cli", "pipeline", "report", "import"].map(|name| format!("crates/hullmap-{name}/src")) {
-        search(&workspace().join(folder), &mut files);
-    }
-    let exits =
-        ["print!", "println!", "eprint!", "eprintln!", "dbg!", "stdout()", "stderr()", "dyn Write", "io::Stdout"];
-    let mut count = 0;
-    for path in files.iter().filter(|path| path.parent().is_none_or(|folder| !folder.ends_with("tests"))) {
-        let text = fs::read_to_string(path).unwrap();
-        let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
-        let code: Vec<&str> = code.take_while(|line| !line.starts_with("mod tests")).collect();
-        let uses = |word: &&&str| code.iter().any(|line| line.contains(**word));
-        let found: Vec<&&str> = exits.iter().filter(uses).collect();
-        count += 1;
-        if path.ends_with("hullmap-cli/src/terminal.rs") {
-            assert_eq!(found, [&"stdout()", &"stderr()", &"dyn Write"]);
-        } else {
-            assert!(found.is_empty(), "{} prints by {found:?}; use terminal::Output or terminal::say", path.display());
-        }
-    }
-    assert!(count > 60, "{count} files");
 }
 
 /// A pack of another mesh that records the right source passes `--check`, and `verify` rejects it.
