@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use hullmap::Hull;
+use hullmap_testkit::random::RandomPoses;
 use shapes::rng::SplitMix64;
 
 /// A fan of a direction index, and the cell that it divides.
@@ -86,8 +87,7 @@ impl Maker {
     /// For a hull, and the fans of its index.
     pub fn new(hull: &Hull, fans: Vec<Fan>, seed: u64) -> Self {
         let vertices: Vec<DVec3> = hull.vertices().map(|v| v.as_dvec3()).collect();
-        let mut normals = Vec::new();
-        let mut sides = Vec::new();
+        let (mut normals, mut sides) = (Vec::new(), Vec::new());
         let mut faces_at = vec![Vec::new(); vertices.len()];
         for (face_index, face) in hull.faces().enumerate() {
             let corners: Vec<u32> = face.collect();
@@ -115,7 +115,7 @@ impl Maker {
     /// Direction `index` of a list in which the kinds take turns.
     pub fn make(&mut self, index: usize) -> (Kind, DVec3) {
         let kind = KINDS[index % KINDS.len()];
-        let random = DVec3::from_array(self.rng.direction());
+        let random = self.rng.unit_vector();
         let (kind, d) = match kind {
             Kind::Normal if !self.normals.is_empty() => (kind, self.normal()),
             Kind::NearNormal if !self.normals.is_empty() => {
@@ -202,23 +202,13 @@ impl Maker {
             _ => DVec3::new(random.z, random.y, -random.z),
         };
         // Exact in f32 as well.
-        exact.as_vec3().as_dvec3() + DVec3::from_array(self.rng.direction()) * self.slight()
+        exact.as_vec3().as_dvec3() + self.rng.unit_vector() * self.slight()
     }
 }
 
 /// Invalid directions: zero, NaN, infinite. Any vertex is an allowed answer.
 pub fn invalid() -> Vec<Vec3> {
     let odd = [0.0, -0.0, 1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
-    let mut dirs = Vec::new();
-    for x in odd {
-        for y in odd {
-            for z in odd {
-                let dir = Vec3::new(x, y, z);
-                if !dir.is_finite() || dir == Vec3::ZERO {
-                    dirs.push(dir);
-                }
-            }
-        }
-    }
-    dirs
+    let all = odd.into_iter().flat_map(|x| odd.into_iter().flat_map(move |y| odd.map(|z| Vec3::new(x, y, z))));
+    all.filter(|dir| !dir.is_finite() || *dir == Vec3::ZERO).collect()
 }

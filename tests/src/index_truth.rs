@@ -8,12 +8,13 @@
 use glam::DVec3;
 use hullmap::{Hull, Pack, SupportMap};
 use hullmap_bake::{
-    BakedHull, IndexKind, PointSet, SourceRecord, bake_hull,
+    BakedHull, IndexKind, SourceRecord, bake_hull,
     hull::area::area_vector,
     index::certify::{Proof, Unproven, certify},
     write_pack,
 };
 use hullmap_format::archive::LANES;
+use hullmap_testkit::packs::point_set;
 use shapes::{capped::Capped, families::Family, rng::SplitMix64};
 
 /// Maximum regret of an exact answer, by the project's definition.
@@ -78,9 +79,7 @@ pub fn subject(rng: &mut SplitMix64) -> Subject {
 impl Subject {
     /// Bakes points. Panics if they cannot be baked.
     pub fn new(name: String, points: &[[f32; 3]], kind: IndexKind) -> Self {
-        let source_vertices = (0..points.len() as u32).collect();
-        let set = PointSet { positions: points.to_vec(), source_vertices, ..PointSet::default() };
-        let baked = bake_hull(&set, kind).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let baked = bake_hull(&point_set("", points), kind).unwrap_or_else(|error| panic!("{name}: {error}"));
         let positions = baked.hull.positions();
         let mut cones = vec![Vec::new(); positions.len()];
         for face in &baked.hull.faces {

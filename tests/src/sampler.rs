@@ -10,6 +10,7 @@ use hullmap_bake::{
     fit::{Fit, Solid},
     hull::Hull,
 };
+use hullmap_testkit::triangles::{distance_from_triangle, winding};
 use rayon::prelude::*;
 use shapes::rng::SplitMix64;
 
@@ -48,7 +49,8 @@ pub fn refutation(mesh: &PointSet, hulls: &[Hull], fits: &[Fit], samples: usize,
         let part = at % hulls.len();
         let p = on_hull(&hulls[part], rng);
         let claimed = fits[part].protrusion;
-        let is_near = is_within(surface, p, claimed + DISTANCE_ERROR * diagonal);
+        let is_near =
+            surface.iter().any(|triangle| distance_from_triangle(*triangle, p) <= claimed + DISTANCE_ERROR * diagonal);
         (!is_near && !is_inside(p)).then(|| format!("part {part} protrudes farther at {p}, claimed {claimed:.6e}"))
     };
     (0..(samples / 2).div_ceil(CHUNK)).into_par_iter().find_map_first(|chunk| {
@@ -89,48 +91,28 @@ fn on_hull(hull: &Hull, rng: &mut SplitMix64) -> DVec3 {
     if hull.faces.is_empty() {
         return positions[0];
     }
-    let index = |count: usize, rng: &mut SplitMix64| ((rng.unit() * count as f64) as usize).min(count - 1);
-    let face = &hull.faces[index(hull.faces.len(), rng)];
-    let second = 1 + index(face.len() - 2, rng);
+    let face = &hull.faces[rng.below(hull.faces.len())];
+    let second = 1 + rng.below(face.len() - 2);
     in_triangle(&[face[0], face[second], face[second + 1]].map(|v| positions[v as usize]), rng)
 }
 
-/// Whether a triangle is at most `length` away: its interior, one of its edges or corners.
-fn is_within(triangles: &[[DVec3; 3]], p: DVec3, length: f64) -> bool {
-    let to_segment = |a: DVec3, b: DVec3| {
-        let along = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
-        // NaN if both ends are equal.
-        if along.is_nan() { p.distance(a) } else { p.distance(a + along * (b - a)) }
-    };
-    let to_triangle = |[a, b, c]: &[DVec3; 3]| {
-        let normal = (*b - *a).cross(*c - *a);
-        let is_above =
-            [(*a, *b), (*b, *c), (*c, *a)].iter().all(|(from, to)| normal.dot((*to - *from).cross(p - *from)) > 0.0);
-        let edges = to_segment(*a, *b).min(to_segment(*b, *c)).min(to_segment(*c, *a));
-        if is_above { edges.min((p - *a).dot(normal).abs() / normal.length()) } else { edges }
-    };
-    triangles.iter().any(|triangle| to_triangle(triangle) <= length)
-}
-
-/// Whether the solid angles of the triangles amount to more than a quarter of a turn, or a ray
-/// meets an odd number of triangles: generous, so that no claim is called false where a triangle
-/// faces the other way than its surface.
+/// Whether a point is inside by a quarter of a winding, or a ray meets an odd number of triangles:
+/// generous, so that no claim is called false where a triangle faces the other way than its surface.
 fn is_inside(triangles: &[[DVec3; 3]], p: DVec3) -> bool {
-    let (mut sum, mut crossings) = (0.0, 0);
     let ray = DVec3::new(0.36, 0.48, 0.8);
-    for [a, b, c] in triangles.iter().map(|t| t.map(|corner| corner - p)) {
-        let [la, lb, lc] = [a.length(), b.length(), c.length()];
-        sum += 2.0 * f64::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+    let is_crossed = |corners: &&[DVec3; 3]| {
+        let [a, b, c] = corners.map(|corner| corner - p);
         let sides = [a.cross(b), b.cross(c), c.cross(a)].map(|side| side.dot(ray) > 0.0);
         let is_ahead = a.dot(b.cross(c)) * (b - a).cross(c - a).dot(ray) > 0.0;
-        crossings += usize::from(is_ahead && sides[0] == sides[1] && sides[1] == sides[2]);
-    }
-    (sum / (4.0 * std::f64::consts::PI)).abs() > 0.25 || crossings % 2 == 1
+        is_ahead && sides[0] == sides[1] && sides[1] == sides[2]
+    };
+    winding(triangles, p).abs() > 0.25 || triangles.iter().filter(is_crossed).count() % 2 == 1
 }
 
 #[cfg(test)]
 mod tests {
     use hullmap_bake::{fit::fits, hull};
+    use hullmap_testkit::packs::point_set;
     use shapes::concave;
 
     use super::*;
@@ -139,24 +121,11 @@ mod tests {
     #[test]
     fn overstated_claims_are_refuted() {
         let mesh = concave::l();
-        let positions: Vec<[f32; 3]> = mesh.vertices.clone();
-        let triangles = mesh.faces.iter().flat_map(|face| (2..face.len()).map(|i| [face[0], face[i - 1], face[i]]));
-        let set = PointSet {
-            name: "l".to_owned(),
-            source_vertices: (0..positions.len() as u32).collect(),
-            triangles: triangles.collect(),
-            positions,
-            ..PointSet::default()
-        };
+        let set = PointSet { triangles: mesh.fans(), ..point_set("l", &mesh.vertices) };
         // The hull of the whole protrudes. One arm alone leaves the other uncovered.
         let whole = hull::build(&set).unwrap();
-        let arm: Vec<u32> = (0..set.positions.len() as u32).filter(|v| set.positions[*v as usize][0] <= 1.0).collect();
-        let arm = hull::build(&PointSet {
-            positions: arm.iter().map(|v| set.positions[*v as usize]).collect(),
-            source_vertices: arm.clone(),
-            ..set.clone()
-        })
-        .unwrap();
+        let arm: Vec<[f32; 3]> = mesh.vertices.iter().copied().filter(|corner| corner[0] <= 1.0).collect();
+        let arm = hull::build(&point_set("arm", &arm)).unwrap();
         for hull in [whole, arm] {
             let mut fits = fits(&set, &[&hull], None).unwrap();
             let hulls = [hull];

@@ -7,8 +7,7 @@ use hullmap::{
     Cache, CastSettings, Compound, CompoundManifolds, Feature, Hull, Instructions, Manifold, ManifoldSettings, Motion,
     Pack, Pose, Ray, Settings, Shape, SupportMap, cast, contact, distance, intersects, ray, signed_distance,
 };
-use hullmap_bake::IndexKind;
-use hullmap_testkit::packs;
+use hullmap_testkit::packs::{cube, tree_pack};
 
 use crate::directions;
 
@@ -55,8 +54,7 @@ impl Inquiry {
     /// Queries for packs like `pack`: in directions of its first hull's faces and edges, and in
     /// random ones. Panics if the pack has no hull.
     pub fn new(pack: &Pack, extent: Extent) -> Self {
-        let corners: Vec<[f32; 3]> = (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect();
-        let cube = packs::pack("cube", &corners, IndexKind::Tree);
+        let cube = tree_pack(&cube());
         let own = directions::all(&pack.hull(0).expect("a pack has a hull"), extent.supports, SEED);
         let invalid: Vec<Vec3> = directions::invalid().into_iter().step_by(7).collect();
         let valid = extent.supports.saturating_sub(invalid.len());

@@ -26,7 +26,7 @@ use hullmap_bake::{
     write_pack,
 };
 use hullmap_format::{archive::LANES, slot::Slot, walk::Cost};
-use hullmap_testkit::packs::{self, point_set};
+use hullmap_testkit::packs::{self, cube, point_set};
 use shapes::{families::Family, rng::SplitMix64};
 
 /// Maximum time of the slowest query on a malicious pack, relative to an honest pack of that size.
@@ -118,7 +118,7 @@ pub struct Slowest {
 /// Runs every kind of query on a pack and returns the slowest. Panics if the pack has no hull.
 pub fn slowest(pack: &Pack) -> Slowest {
     let mut clock = Clock { slowest: Slowest { query: "", time: Duration::ZERO } };
-    let cube = packs::tree_pack(&corners());
+    let cube = packs::tree_pack(&cube());
     let block = cube.hull(0).expect("a cube is one hull");
     for hull in pack.hulls().take(HULLS) {
         let size = hull.diameter().max(f64::MIN_POSITIVE);
@@ -228,10 +228,6 @@ fn source() -> SourceRecord {
 
 fn solid(family: Family, count: usize) -> PointSet {
     point_set(family.name(), &family.points(count, 1))
-}
-
-fn corners() -> Vec<[f32; 3]> {
-    (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect()
 }
 
 fn tetrahedra(count: usize, step: Vec3) -> Vec<BakedHull> {

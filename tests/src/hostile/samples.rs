@@ -3,7 +3,7 @@
 use hullmap_bake::{
     Fit, IndexKind, NO_SOURCE_VERTEX, PointSet, SolidKind, SourceRecord, bake_hull, write_lean_pack, write_pack,
 };
-use hullmap_testkit::packs::{self, ALL_INDICES, point_set};
+use hullmap_testkit::packs::{self, ALL_INDICES, cube, point_set};
 use shapes::{families::Family, rng::SplitMix64};
 
 /// A file, by name.
@@ -88,10 +88,6 @@ fn sample(name: &str, sets: &[PointSet], index: IndexKind) -> Sample {
 /// The source that every sample records.
 pub fn source() -> SourceRecord {
     SourceRecord { path: "../ä.obj".into(), hash: 7 << 90, options: "split none".into(), ..SourceRecord::default() }
-}
-
-fn cube() -> Vec<[f32; 3]> {
-    (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect()
 }
 
 /// Tetrahedra far from each other, so that their BVH has at least three levels.

@@ -7,13 +7,10 @@ use glam::DVec3;
 use hullmap::compound::{OneSided, SharedSheet};
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap::shapes::Sphere;
-use hullmap::{
-    Cache, CastSettings, Geometry, HeightField, Impact, Motion, Pack, Pose, Ray, RayHit, SharedGeometry, TriangleMesh,
-};
-use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
-use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
+use hullmap::{Cache, CastSettings, Geometry, HeightField, Impact, Motion, Pack, Pose, Ray, RayHit, SharedGeometry};
 use hullmap_bake::{IndexKind, SourceRecord};
-use hullmap_testkit::packs::{bytes, point_set};
+use hullmap_testkit::packs::{bytes, height_field, loose_mesh, point_set};
+use hullmap_testkit::random::RandomPoses;
 use hullmap_testkit::ray::Line;
 use shapes::rng::SplitMix64;
 
@@ -30,14 +27,6 @@ const CASTS: [&str; 2] = ["cast", "cast on fronts"];
 struct Surface {
     geometry: SharedGeometry,
     parts: Vec<Part>,
-}
-
-fn mesh(triangles: &[[DVec3; 3]]) -> TriangleMesh {
-    let positions: Vec<[f32; 3]> = triangles.iter().flatten().map(|corner| corner.as_vec3().to_array()).collect();
-    let corners: Vec<[u32; 3]> = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners: &corners, materials: &[] });
-    TriangleMesh::from_bytes(&write_triangle_mesh(baked.expect("a mesh"), &Default::default()).expect("a file"))
-        .expect("the file is valid")
 }
 
 /// A floor of two triangles, far below.
@@ -72,9 +61,7 @@ fn field(rng: &mut SplitMix64) -> HeightField {
     let layout = Layout { columns: 6, rows: 5, origin, spacing, diagonal: Diagonal::ALL[rng.below(2)] };
     let is_flat = rng.below(4) == 0;
     let heights: Vec<f32> = (0..30).map(|_| if is_flat { 0.5 } else { rng.unit() as f32 }).collect();
-    let baked = bake_height_field(&HeightGrid { layout, heights: &heights, holes: &[], materials: &[] });
-    HeightField::from_bytes(&write_height_field(baked.expect("a field"), &Default::default()).expect("a file"))
-        .expect("the file is valid")
+    height_field(layout, &heights, &[])
 }
 
 /// Boxes that share faces, edges and corners; some are cut into prisms and pyramids.
@@ -130,7 +117,7 @@ impl Joints {
         let kind = rng.below(6);
         if kind < 4 {
             let near = if kind == 1 { Vec::new() } else { ground(rng) };
-            surfaces.push(Surface::sheet(SharedSheet::Mesh(Arc::new(mesh(&[near, floor(-20.0)].concat())))));
+            surfaces.push(Surface::sheet(SharedSheet::Mesh(Arc::new(loose_mesh(&[near, floor(-20.0)].concat())))));
         }
         if kind == 1 || kind == 2 {
             surfaces.push(Surface::sheet(SharedSheet::Field(Arc::new(field(rng)))));
@@ -154,7 +141,7 @@ impl Joints {
         let [a, b, c] = self.corners(rng);
         let share = if rng.below(2) == 0 { 0.5 } else { rng.unit() };
         let target = [a, a.midpoint(b), a + share * (b - a), a + 0.25 * (b - a) + 0.5 * (c - a)][rng.below(4)];
-        let way = DVec3::from_array(rng.direction()).as_vec3().as_dvec3();
+        let way = rng.unit_vector().as_vec3().as_dvec3();
         let axis = DVec3::AXES[rng.below(3)] * [1.0, -1.0][rng.below(2)];
         let other = self.corners(rng)[0];
         let way = match rng.below(9) {
@@ -221,7 +208,7 @@ impl Tally {
             let is_unsure = query == Query::Cast && kind == "front" && !hits.has_clear_fronts();
             let outcome = if is_unsure { "unsure" } else { hits.outcome() };
             let key = if query == Query::Ray { kind } else { CASTS[usize::from(kind == "front")] };
-            *self.counts.entry((key, outcome)).or_default() += 1;
+            self.note(key, outcome);
             if is_unsure {
                 continue;
             }

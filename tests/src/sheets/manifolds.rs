@@ -20,14 +20,11 @@ use hullmap::compound::{BodyManifold, Joined, OneSided, Parts, Tile, seams};
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap::manifold::{FeatureId, Manifold, ManifoldPoint};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, HalfSpace, Rounded, Scaled, Sphere, Triangle};
-use hullmap::{
-    Compound, CompoundManifolds, HeightField, ManifoldSettings, Pack, Pose, Prediction, Shape, Status, TriangleMesh,
-};
-use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
-use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
+use hullmap::{Compound, CompoundManifolds, ManifoldSettings, Pack, Pose, Prediction, Shape, Status};
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::gap::distance_by_features;
 use hullmap_testkit::packs::{self, point_set};
+use hullmap_testkit::random::RandomPoses;
 use hullmap_testkit::triangles::distance_from_triangle;
 use shapes::rng::SplitMix64;
 
@@ -209,8 +206,8 @@ fn loose(rng: &mut SplitMix64) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let count = 1 + rng.below(24) as u32;
     let mut positions = Vec::new();
     for _ in 0..count {
-        let (middle, size) = (DVec3::from_array(rng.direction()) * rng.unit(), 10_f64.powf(rng.between(-3.0, 0.5)));
-        positions.extend([(); 3].map(|()| (middle + size * DVec3::from_array(rng.direction())).as_vec3().to_array()));
+        let (middle, size) = (rng.unit_vector() * rng.unit(), 10_f64.powf(rng.between(-3.0, 0.5)));
+        positions.extend([(); 3].map(|()| (middle + size * rng.unit_vector()).as_vec3().to_array()));
     }
     (positions, (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
 }
@@ -224,9 +221,7 @@ fn sheet(rng: &mut SplitMix64, ground: Ground) -> Sheet {
         let heights: Vec<f32> = (0..columns * rows).map(|_| (steep * rng.unit()) as f32).collect();
         let cells = (columns - 1) * (rows - 1);
         let holes: Vec<bool> = (0..cells).map(|cell| cell > 0 && rng.below(5) == 0).collect();
-        let baked = bake_height_field(&HeightGrid { layout, heights: &heights, holes: &holes, materials: &[] });
-        let file = write_height_field(baked.expect("a field"), &Default::default()).expect("a file");
-        let field = HeightField::from_bytes(&file).expect("the file is valid");
+        let field = packs::height_field(layout, &heights, &holes);
         let triangles = (0..field.triangle_count()).map(|i| Some(field.triangle(i)?.corners())).collect();
         return Sheet::new(Box::new(field), triangles);
     }
@@ -240,9 +235,7 @@ fn sheet(rng: &mut SplitMix64, ground: Ground) -> Sheet {
         Ground::Soup => loose(rng),
         _ => grid(rng, ground),
     };
-    let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners: &corners, materials: &[] });
-    let file = write_triangle_mesh(baked.expect("a mesh"), &Default::default()).expect("a file");
-    let mesh = TriangleMesh::from_bytes(&file).expect("the file is valid");
+    let mesh = packs::triangle_mesh(&positions, &corners);
     let triangles = (0..mesh.triangle_count()).map(|i| Some(mesh.triangle(i)?.corners())).collect();
     Sheet::new(Box::new(mesh), triangles)
 }
@@ -274,7 +267,7 @@ impl Body {
 }
 
 fn cloud(rng: &mut SplitMix64, size: f64, middle: DVec3) -> Vec<[f32; 3]> {
-    let corner = |rng: &mut SplitMix64| (middle + 0.6 * size * DVec3::from_array(rng.direction())).as_vec3();
+    let corner = |rng: &mut SplitMix64| (middle + 0.6 * size * rng.unit_vector()).as_vec3();
     (0..5 + rng.below(12)).map(|_| corner(rng).to_array()).collect()
 }
 
@@ -349,7 +342,7 @@ fn derived(rng: &mut SplitMix64, size: f64) -> Body {
             Body { rough: F32 * body.radius, off: Some(Box::new(off)), ..body }
         }
         3 => {
-            let corners = [(); 3].map(|()| size * DVec3::from_array(rng.direction()));
+            let corners = [(); 3].map(|()| size * rng.unit_vector());
             convex("triangle", Box::new(Triangle::new(corners).expect("points")), Model::of_triangle(corners))
         }
         _ => {
@@ -376,12 +369,12 @@ fn place(rng: &mut SplitMix64, sheet: &Sheet, body: &Body) -> Pose {
     let sum: f64 = shares.iter().sum();
     let on = (a * shares[0] + b * shares[1] + c * shares[2]) / sum;
     let face = (b - a).cross(c - a).normalize_or(DVec3::Z);
-    let aside = DVec3::from_array(rng.direction()) * body.radius * rng.unit();
+    let aside = rng.unit_vector() * body.radius * rng.unit();
     let on = if rng.below(3) == 0 { on } else { on + aside - face * aside.dot(face) };
     let up = if rng.below(4) == 0 { -face } else { face };
-    let up = if rng.below(3) == 0 { (up + 0.3 * DVec3::from_array(rng.direction())).normalize() } else { up };
+    let up = if rng.below(3) == 0 { (up + 0.3 * rng.unit_vector()).normalize() } else { up };
     // An axis of the body along the normal, nearly, or any.
-    let axis = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::from_array(rng.direction())][rng.below(4)];
+    let axis = [DVec3::X, DVec3::Y, DVec3::Z, rng.unit_vector()][rng.below(4)];
     let spin = DQuat::from_axis_angle(up, rng.between(0.0, 6.0)) * DQuat::from_rotation_arc(axis, up);
     let lean = [0.0, 1e-9, 1e-3, 0.02][rng.below(4)];
     let turn = DQuat::from_axis_angle(up.any_orthonormal_vector(), lean) * spin;
@@ -415,7 +408,7 @@ impl Tally {
             let way = [Way::First, Way::First, Way::Second, Way::Joined][rng.below(4)];
             let prediction = [0.0, 0.02, 0.02, 0.3][rng.below(4)] * body.radius;
             let query = Query { way, is_one_sided: rng.below(4) == 0, prediction };
-            let step = DVec3::from_array(rng.direction()) * body.radius * [1e-6, 1e-3, 0.05][rng.below(3)];
+            let step = rng.unit_vector() * body.radius * [1e-6, 1e-3, 0.05][rng.below(3)];
             let mut found = [(); 2].map(|()| (CompoundManifolds::new(256), BodyManifold::new(256)));
             found[0].0.set_welding(false);
             for frame in 0..FRAMES {
@@ -433,10 +426,6 @@ impl Tally {
                 pose = Pose::new(pose.translation() + step, pose.rotation()).expect("finite");
             }
         }
-    }
-
-    pub(super) fn note(&mut self, what: &'static str, kind: &'static str) {
-        *self.counts.entry((what, kind)).or_default() += 1;
     }
 
     /// Counts the manifolds that welding changes.

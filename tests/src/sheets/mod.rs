@@ -27,6 +27,7 @@ use hullmap::{Cache, CastSettings, Contact, Motion, Overlap, Ray, Settings};
 use hullmap_testkit::depth::{gap_of_whole, signed_depth_by_points};
 use hullmap_testkit::entry::passage_by_points;
 use hullmap_testkit::gap::distance_by_features;
+use hullmap_testkit::random::RandomPoses;
 use hullmap_testkit::ray::Line;
 use hullmap_testkit::triangles::{distance_from_triangle, winding};
 use shapes::rng::SplitMix64;
@@ -64,10 +65,6 @@ struct Judge<'s> {
 }
 
 impl Judge<'_> {
-    fn count(&mut self, query: &'static str, outcome: &'static str) {
-        *self.tally.counts.entry((query, outcome)).or_default() += 1;
-    }
-
     fn check(&mut self, is_right: bool, what: impl FnOnce() -> String) {
         if !is_right {
             self.tally.wrong.push(format!("{}: {}", self.name, what()));
@@ -94,7 +91,7 @@ impl Judge<'_> {
             None => "unsure",
         };
         let hit = hullmap::intersects(&scene.mesh, &hull, body.pose, &mut Cache::new());
-        self.count("intersects", truth);
+        self.tally.note("intersects", truth);
         let is_near = deepest.abs() <= 1e3 * slack;
         self.check(
             match hit.status {
@@ -120,7 +117,7 @@ impl Judge<'_> {
     fn distance(&mut self, body: &Body, truth: &'static str, settings: &Settings) {
         let (scene, hull) = (self.scene, body.pack.hull(0).expect("one hull"));
         let found = hullmap::distance(&scene.mesh, &hull, body.pose, settings, &mut Cache::new());
-        self.count("distance", truth);
+        self.tally.note("distance", truth);
         if truth != "apart" {
             self.check(found.lower <= scene.slack, || format!("distance: {found:?}, {truth}"));
             return;
@@ -147,7 +144,7 @@ impl Judge<'_> {
                 None if *depth < -slack => continue,
                 _ => "unsure",
             };
-            self.count("contact", outcome);
+            self.tally.note("contact", outcome);
             match seen {
                 None => self.check(*depth <= slack, || format!("contacts: triangle {index} is missing, {depth} deep")),
                 Some(found) => {
@@ -174,7 +171,7 @@ impl Judge<'_> {
         let parts: Vec<Part> = scene.triangles.iter().map(Part::triangle).collect();
         let hits = Hits::new(&line, &parts, false);
         let found = hullmap::ray(&scene.mesh, &ray, &CastSettings::default());
-        self.count("ray", if hits.outcome() == "miss" { "miss" } else { "hit" });
+        self.tally.note("ray", if hits.outcome() == "miss" { "miss" } else { "hit" });
         let fault = hits.fault(&found, found.point, Query::Ray);
         self.check(fault.is_none(), || format!("ray: {fault:?}: {found:?}, {ray:?}, {hits:?}"));
     }
@@ -182,10 +179,10 @@ impl Judge<'_> {
     fn cast(&mut self, body: &Body, rng: &mut SplitMix64) {
         let scene = self.scene;
         let hull = body.pack.hull(0).expect("one hull");
-        let away = DVec3::from_array(rng.direction()) * rng.between(1.0, 4.0) * scene.unit;
+        let away = rng.unit_vector() * rng.between(1.0, 4.0) * scene.unit;
         // Through the place of the body, or past it.
         let Ok(start) = hullmap::Pose::new(body.pose.translation() + away, body.pose.rotation()) else { return };
-        let velocity = -away * rng.between(0.5, 3.0) + DVec3::from_array(rng.direction()) * scene.unit * rng.unit();
+        let velocity = -away * rng.between(0.5, 3.0) + rng.unit_vector() * scene.unit * rng.unit();
         let Ok(motion) = Motion::new(velocity) else { return };
         let points: Vec<DVec3> = hull.vertices().map(|v| start.transform_point(v.as_dvec3())).collect();
         // The earliest time at which it may meet a triangle, and the time at which it certainly
@@ -206,7 +203,7 @@ impl Judge<'_> {
             (true, true) => "hit",
             (true, false) => "unsure",
         };
-        self.count("cast", outcome);
+        self.tally.note("cast", outcome);
         let found = hullmap::cast(&scene.mesh, &hull, start, motion, &CastSettings::default(), &mut Cache::new());
         let slack = |t: f64| 1e-9 * (1.0 + t.min(1e9));
         let what =
@@ -227,7 +224,7 @@ impl Judge<'_> {
         let Ok(found) = surface_distance(&scene.mesh, point, &settings, cache) else {
             // Not closed: the distance from the triangles.
             let Ok(found) = hullmap::signed_distance(&scene.mesh, point, &settings, cache) else { return };
-            self.count("signed distance", "open");
+            self.tally.note("signed distance", "open");
             let is_inside = found.lower <= nearest + scene.slack && nearest <= found.upper + scene.slack;
             self.check(is_inside, || format!("distance of {point}: {found:?}, by brute force {nearest}"));
             return;
@@ -241,7 +238,7 @@ impl Judge<'_> {
         } else {
             "outside"
         };
-        self.count("signed distance", outcome);
+        self.tally.note("signed distance", outcome);
         let truth = if is_inside && !is_on { -nearest } else { nearest };
         let on = scene.triangles.get(found.part as usize).map_or(f64::NAN, |c| distance_from_triangle(*c, found.point));
         let toward = (point - found.point).normalize_or_zero() * if is_inside { -1.0 } else { 1.0 };

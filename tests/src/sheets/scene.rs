@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
 use hullmap::{Pack, Pose, TriangleMesh};
-use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
-use hullmap_testkit::packs::tree_pack;
+use hullmap_testkit::packs::{loose_mesh, tree_pack};
+use hullmap_testkit::random::RandomPoses;
 use shapes::rng::SplitMix64;
 
 /// A kind of mesh.
@@ -80,7 +80,7 @@ pub struct Body {
 }
 
 fn vector(rng: &mut SplitMix64) -> DVec3 {
-    DVec3::from_array(rng.direction()) * rng.unit().cbrt()
+    rng.unit_vector() * rng.unit().cbrt()
 }
 
 /// A point with whole coordinates from −most to most.
@@ -94,7 +94,7 @@ impl Scene {
     pub fn new(kind: Kind, seed: u64, index: u64) -> Self {
         let mut rng = stream(seed, index);
         let unit = if kind == Kind::Tiny { (-20.0_f64).exp2() } else { 1.0 };
-        let origin = if kind == Kind::Far { 1e4 * DVec3::from_array(rng.direction()).round() } else { DVec3::ZERO };
+        let origin = if kind == Kind::Far { 1e4 * rng.unit_vector().round() } else { DVec3::ZERO };
         let count = 1 + rng.below(48);
         let mut corners: Vec<[DVec3; 3]> = (0..count).map(|_| Self::triangle(kind, &mut rng)).collect();
         match kind {
@@ -104,12 +104,8 @@ impl Scene {
             Kind::Round => corners = sphere(&mut rng),
             _ => {}
         }
-        let placed = |corner: DVec3| (origin + corner * unit).as_vec3().to_array();
-        let positions: Vec<[f32; 3]> = corners.iter().flatten().map(|corner| placed(*corner)).collect();
-        let indices: Vec<[u32; 3]> = (0..corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-        let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners: &indices, materials: &[] });
-        let file = write_triangle_mesh(baked.expect("a mesh"), &Default::default()).expect("a file");
-        let mesh = TriangleMesh::from_bytes(&file).expect("the file is valid");
+        corners.iter_mut().flatten().for_each(|corner| *corner = origin + *corner * unit);
+        let mesh = loose_mesh(&corners);
         let triangles: Vec<_> = (0..mesh.triangle_count()).filter_map(|i| Some(mesh.triangle(i)?.corners())).collect();
         let greatest = triangles.iter().flatten().map(|corner| corner.abs().max_element()).fold(0.0, f64::max);
         Self { kind, mesh, triangles, origin, unit, slack: 1e-12 * (greatest + unit) }
@@ -148,7 +144,7 @@ impl Scene {
             }
         } else {
             let size = rng.between(0.1, 1.0);
-            (0..4 + rng.below(5)).map(|_| DVec3::from_array(rng.direction()) * size).collect()
+            (0..4 + rng.below(5)).map(|_| rng.unit_vector() * size).collect()
         };
         let positions: Vec<[f32; 3]> = corners.iter().map(|c| (*c * self.unit).as_vec3().to_array()).collect();
         let pack = tree_pack(&positions);
@@ -233,7 +229,7 @@ fn sphere(rng: &mut SplitMix64) -> Vec<[DVec3; 3]> {
 /// A triangle of up to 10 km through the origin, nearly.
 fn long(rng: &mut SplitMix64) -> Vec<[DVec3; 3]> {
     let size = 10_f64.powf(rng.between(1.0, 4.0));
-    let turn = DQuat::from_rotation_arc(DVec3::Z, DVec3::from_array(rng.direction()));
+    let turn = DQuat::from_rotation_arc(DVec3::Z, rng.unit_vector());
     vec![[DVec3::new(-1.0, -1.0, 0.0), DVec3::new(1.0, -1.0, 0.0), DVec3::Y].map(|corner| turn * corner * size)]
 }
 

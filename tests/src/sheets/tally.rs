@@ -13,6 +13,16 @@ pub struct Tally {
 }
 
 impl Tally {
+    /// Counts a query with an outcome.
+    pub(super) fn note(&mut self, query: &'static str, outcome: &'static str) {
+        *self.counts.entry((query, outcome)).or_default() += 1;
+    }
+
+    /// Number of queries with an outcome.
+    pub fn of(&self, query: &'static str, outcome: &'static str) -> u64 {
+        self.counts.get(&(query, outcome)).copied().unwrap_or_default()
+    }
+
     /// Number of queries judged.
     pub fn queries(&self) -> u64 {
         self.counts.values().sum()

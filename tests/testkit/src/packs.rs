@@ -2,8 +2,15 @@
 
 use std::hash::Hasher;
 
-use hullmap::Pack;
-use hullmap_bake::{BakeError, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
+use glam::DVec3;
+use hullmap::height_field::Layout;
+use hullmap::{HeightField, Pack, TriangleMesh};
+use hullmap_bake::{
+    BakeError, IndexKind, PointSet, SourceRecord, bake_hull,
+    height_field::{HeightGrid, bake_height_field, write_height_field},
+    triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh},
+    write_pack,
+};
 use twox_hash::XxHash3_64;
 
 /// Length of the header in bytes; its last eight bytes are the checksum.
@@ -22,6 +29,11 @@ pub const ALL_INDICES: [IndexKind; 6] = [
     IndexKind::CubeMap { resolution: 24 },
     IndexKind::None,
 ];
+
+/// The corners of the unit cube, numbered by their signs.
+pub fn cube() -> Vec<[f32; 3]> {
+    (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect()
+}
 
 /// A point set in which every point is used.
 pub fn point_set(name: &str, positions: &[[f32; 3]]) -> PointSet {
@@ -52,6 +64,27 @@ pub fn tree_pack(positions: &[[f32; 3]]) -> Pack {
 pub fn tree_bytes(positions: &[[f32; 3]]) -> Vec<u8> {
     let bytes = bytes(&[point_set("hull", positions)], IndexKind::Tree, &SourceRecord::default());
     bytes.unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A mesh. Panics if it cannot be baked.
+pub fn triangle_mesh(positions: &[[f32; 3]], corners: &[[u32; 3]]) -> TriangleMesh {
+    let baked = bake_triangle_mesh(&Triangles { positions, corners, materials: &[] }).expect("a mesh");
+    let file = write_triangle_mesh(baked, &SourceRecord::default()).expect("a file");
+    TriangleMesh::from_bytes(&file).expect("the file is valid")
+}
+
+/// A mesh of triangles that share no vertex. Panics if it cannot be baked.
+pub fn loose_mesh(triangles: &[[DVec3; 3]]) -> TriangleMesh {
+    let positions: Vec<[f32; 3]> = triangles.iter().flatten().map(|corner| corner.as_vec3().to_array()).collect();
+    let corners: Vec<[u32; 3]> = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    triangle_mesh(&positions, &corners)
+}
+
+/// A height field. Panics if it cannot be baked.
+pub fn height_field(layout: Layout, heights: &[f32], holes: &[bool]) -> HeightField {
+    let baked = bake_height_field(&HeightGrid { layout, heights, holes, materials: &[] }).expect("a field");
+    let file = write_height_field(baked, &SourceRecord::default()).expect("a file");
+    HeightField::from_bytes(&file).expect("the file is valid")
 }
 
 /// Further sections of extended packs.

@@ -10,33 +10,24 @@ use hullmap::{
 };
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{self, pack};
+use hullmap_testkit::random::RandomPoses;
 use shapes::{families::Family, rng::SplitMix64};
-use stats_alloc::Region;
 
-use crate::{ALLOCATOR, alone};
+use crate::alone;
 
 const SEED: u64 = 0xa110c;
 
 /// Rounds of each query that are counted together.
 const ROUNDS: usize = 300;
 
-/// Number of tries. The minimum counts, because the harness's own thread may allocate too.
-const TRIES: usize = 5;
-
 /// Number of allocations of `query` over all rounds, from the first call on.
 fn allocations(mut query: impl FnMut(usize)) -> usize {
-    let tries = (0..TRIES).map(|_| {
-        let region = Region::new(ALLOCATOR);
-        (0..ROUNDS).for_each(&mut query);
-        let change = region.change();
-        change.allocations + change.reallocations
-    });
-    tries.min().unwrap()
+    crate::allocations(|| (0..ROUNDS).for_each(&mut query))
 }
 
 fn pose(rng: &mut SplitMix64) -> Pose {
     let rotation = DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0) + 1e-9));
-    Pose::new(DVec3::from_array(rng.direction()) * rng.between(0.0, 2.5), rotation).unwrap()
+    Pose::new(rng.unit_vector() * rng.between(0.0, 2.5), rotation).unwrap()
 }
 
 #[test]
@@ -75,7 +66,7 @@ fn queries_allocate_nothing() {
     ];
     hulls.iter().for_each(|hull| shapes.push(Box::new(*hull)));
     let mut rng = SplitMix64::new(SEED);
-    let dirs: Vec<Vec3> = (0..ROUNDS).map(|_| DVec3::from_array(rng.direction()).as_vec3()).collect();
+    let dirs: Vec<Vec3> = (0..ROUNDS).map(|_| rng.unit_vector().as_vec3()).collect();
     let poses: Vec<Pose> = (0..ROUNDS).map(|_| pose(&mut rng)).collect();
     let settings = Settings::default();
     let exact = Settings { tolerance: 0.0, ..settings };
@@ -123,23 +114,19 @@ fn queries_allocate_nothing() {
             count(name, found);
         };
         each("intersects", &mut |i, cache| {
-            let (a, b) = pair_at(i);
-            black_box(intersects(a, b, poses[i], cache));
+            black_box(intersects(pair_at(i).0, pair_at(i).1, poses[i], cache));
             black_box(intersects(hull_at(i), hull_at(i / 2), poses[i], cache));
         });
         each("contact", &mut |i, cache| {
-            let (a, b) = pair_at(i);
-            black_box(contact(a, b, poses[i], &settings, cache));
+            black_box(contact(pair_at(i).0, pair_at(i).1, poses[i], &settings, cache));
             black_box(contact(hull_at(i), hull_at(i / 2), poses[i], &exact, cache));
         });
         each("distance", &mut |i, cache| {
-            let (a, b) = pair_at(i);
-            black_box(distance(a, b, poses[i], &settings, cache));
+            black_box(distance(pair_at(i).0, pair_at(i).1, poses[i], &settings, cache));
             black_box(distance(hull_at(i), hull_at(i / 2), poses[i], &exact, cache));
         });
         each("rays, casts and points", &mut |i, cache| {
-            let (a, b) = pair_at(i);
-            let along = dirs[i].as_dvec3();
+            let ((a, b), along) = (pair_at(i), dirs[i].as_dvec3());
             let motion = Motion::new(along).unwrap();
             for settings in [CastSettings::default(), CastSettings { tolerance: 0.0, ..CastSettings::default() }] {
                 black_box(cast(a, b, poses[i], motion, &settings, cache));
@@ -156,26 +143,21 @@ fn queries_allocate_nothing() {
     }
     let whole = Compound::new(&parts);
     let (mut cache, mut manifolds) = (Cache::with_pairs(8), CompoundManifolds::new(4));
-    count(
-        "compound",
-        allocations(|i| {
-            let (shape, pose) = (pair_at(i).0, poses[i]);
-            black_box(hullmap::intersects(&whole, shape, pose, &mut cache));
-            black_box(hullmap::distance(&whole, &whole, pose, &settings, &mut cache));
-            black_box(hullmap::contact(shape, &whole, pose, &settings, &mut cache));
-            black_box(hullmap::contact(&wall, &whole, pose, &settings, &mut cache));
-            let (motion, limits) = (Motion::new(-pose.translation()).unwrap(), CastSettings::default());
-            black_box(hullmap::cast(&whole, shape, pose, motion, &limits, &mut cache));
-            black_box(hullmap::ray(&whole, &Ray::new(pose.translation(), DVec3::X).unwrap(), &limits));
-            black_box(hullmap::cast(&whole, &wall, pose, motion, &limits, &mut cache));
-            black_box(hullmap::signed_distance(&whole, pose.translation(), &settings, &mut cache).unwrap());
-            let settings = ManifoldSettings::default();
-            black_box(manifolds.update(&whole, shape, pose, &settings));
-            black_box(manifolds.update(&wall, &whole, pose, &settings));
-            black_box(manifolds.update(&whole, &wall, pose, &settings));
-            black_box(manifolds.iter_mut().count());
-        }),
-    );
+    let (at_rest, limits) = (ManifoldSettings::default(), CastSettings::default());
+    let motion = |i: usize| Motion::new(-poses[i].translation()).unwrap();
+    count!("compound", i:
+        intersects(&whole, pair_at(i).0, poses[i], &mut cache);
+        distance(&whole, &whole, poses[i], &settings, &mut cache);
+        contact(pair_at(i).0, &whole, poses[i], &settings, &mut cache);
+        contact(&wall, &whole, poses[i], &settings, &mut cache);
+        cast(&whole, pair_at(i).0, poses[i], motion(i), &limits, &mut cache);
+        ray(&whole, &Ray::new(poses[i].translation(), DVec3::X).unwrap(), &limits);
+        cast(&whole, &wall, poses[i], motion(i), &limits, &mut cache);
+        signed_distance(&whole, poses[i].translation(), &settings, &mut cache).unwrap();
+        manifolds.update(&whole, pair_at(i).0, poses[i], &at_rest);
+        manifolds.update(&wall, &whole, poses[i], &at_rest);
+        manifolds.update(&whole, &wall, poses[i], &at_rest);
+        manifolds.iter_mut().count());
     println!("{counts:?}");
     let guilty: Vec<_> = counts.iter().filter(|(_, count)| *count > 0).collect();
     assert!(guilty.is_empty(), "allocations in {ROUNDS} calls: {guilty:?}");

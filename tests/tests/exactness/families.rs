@@ -12,6 +12,7 @@ use glam::{DQuat, DVec3, Vec3};
 use hullmap::{Hull, Instructions, Pack, SupportMap};
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{ALL_INDICES, bytes, pack, point_set};
+use hullmap_testkit::random::RandomPoses;
 use hullmap_tests::directions::{self, KINDS, Kind, Maker};
 use hullmap_tests::regret::Truth;
 use nodes::Counts;
@@ -159,7 +160,7 @@ pub fn check(name: &str, points: &[[f32; 3]], indices: &[IndexKind], count: usiz
 
 fn turned(points: &[[f32; 3]], seed: u64) -> Vec<[f32; 3]> {
     let mut rng = SplitMix64::new(seed);
-    let axis = DVec3::from_array(rng.direction());
+    let axis = rng.unit_vector();
     moved(points, DQuat::from_axis_angle(axis, 6.0 * rng.unit()), 1.0, DVec3::ZERO)
 }
 
@@ -270,10 +271,7 @@ fn prisms_and_other_shapes_with_fans() {
         shapes.push((format!("prism to {name}"), moved(&base, main_axis_to(to), 1.0, DVec3::ZERO)));
     }
     shapes.push(("prism far away".into(), moved(&base, DQuat::IDENTITY, 1.0, DVec3::new(1000.0, -2000.0, 500.0))));
-    shapes.push((
-        "thin disc".into(),
-        moved(&base, DQuat::IDENTITY, 1.0, DVec3::ZERO).iter().map(|p| [p[0], p[1], p[2] * 1e-3]).collect(),
-    ));
+    shapes.push(("thin disc".into(), base.iter().map(|p| [p[0], p[1], p[2] * 1e-3]).collect()));
     shapes.push(("long rod".into(), base.iter().map(|p| [p[0] * 1e-3, p[1] * 1e-3, p[2]]).collect()));
     for (name, points) in shapes {
         sum.add(check(&name, &points, &ALL_INDICES[..2], 8_000, SLIVERS));

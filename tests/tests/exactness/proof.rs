@@ -1,6 +1,7 @@
 //! Direction indices are proven, and a proof finds every candidate that is missing.
 
-use hullmap_bake::{IndexKind, PointSet, hull, index};
+use hullmap_bake::{IndexKind, hull, index};
+use hullmap_testkit::packs::point_set;
 use hullmap_tests::index_truth::{Mutations, Subject, subject};
 use shapes::{capped::Capped, families::Family, rng::SplitMix64};
 
@@ -19,9 +20,7 @@ fn indices_of_all_families_are_proven() {
     let mut pieces = 0;
     for family in Family::ALL {
         for count in [8, 9, 40, 300, 3_000] {
-            let set = PointSet { positions: family.points(count, 4), ..PointSet::default() };
-            let source_vertices = (0..set.positions.len() as u32).collect();
-            let hull = hull::build(&PointSet { source_vertices, ..set }).unwrap();
+            let hull = hull::build(&point_set(family.name(), &family.points(count, 4))).unwrap();
             for kind in KINDS {
                 let index = index::build(&hull, kind).unwrap();
                 assert_eq!(index.replaces, None, "{family:?}, {count} points, {kind}");
@@ -40,24 +39,20 @@ fn indices_of_all_families_are_proven() {
 fn fans_of_a_full_turn_are_exact_up_to_their_end() {
     let mut rng = SplitMix64::new(0x7u64);
     for corners in [9, 12, 33, 55, 100, 257, 500] {
-        for step in 0..6 {
-            for is_prism in [false, true] {
-                let turn_rad = std::f64::consts::TAU / corners as f64 * f64::from(step) / 6.0;
-                let (axis, is_negative) = (step as usize % 3, step % 2 == 1);
-                let capped = Capped {
-                    corners,
-                    axis,
-                    is_negative,
-                    tilt_rad: if step < 3 { 0.0 } else { 1e-3 },
-                    turn_rad,
-                    is_prism,
-                    is_regular: step % 2 == 0,
-                };
-                let subject = Subject::new(format!("{capped:?}"), &capped.points(&mut rng), IndexKind::Tree);
-                assert_eq!(subject.baked.index.replaces, None, "{}", subject.name);
-                let answers = subject.query(20, &mut rng);
-                assert_eq!(answers.wrong, 0, "{}: regret {:e}", subject.name, answers.worst);
-            }
+        for (step, is_prism) in (0..6).flat_map(|step| [false, true].map(|is_prism| (step, is_prism))) {
+            let capped = Capped {
+                corners,
+                axis: step % 3,
+                is_negative: step % 2 == 1,
+                tilt_rad: if step < 3 { 0.0 } else { 1e-3 },
+                turn_rad: std::f64::consts::TAU / corners as f64 * step as f64 / 6.0,
+                is_prism,
+                is_regular: step % 2 == 0,
+            };
+            let subject = Subject::new(format!("{capped:?}"), &capped.points(&mut rng), IndexKind::Tree);
+            assert_eq!(subject.baked.index.replaces, None, "{}", subject.name);
+            let answers = subject.query(20, &mut rng);
+            assert_eq!(answers.wrong, 0, "{}: regret {:e}", subject.name, answers.worst);
         }
     }
 }

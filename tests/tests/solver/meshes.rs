@@ -9,7 +9,6 @@ fn meshes_answer_as_brute_force_does() {
     (0..180).for_each(|index| tally.judge(SEED, index));
     println!("seed {SEED}\n{tally}");
     assert!(tally.wrong.is_empty(), "{}", tally.wrong.join("\n"));
-    let count = |query, outcome| tally.counts.get(&(query, outcome)).copied().unwrap_or_default();
     for (query, outcome, least) in [
         ("intersects", "apart", 300),
         ("intersects", "overlapping", 300),
@@ -22,7 +21,7 @@ fn meshes_answer_as_brute_force_does() {
         ("signed distance", "outside", 2000),
         ("signed distance", "on", 100),
     ] {
-        assert!(count(query, outcome) >= least, "{query} {outcome}: {}", count(query, outcome));
+        assert!(tally.of(query, outcome) >= least, "{query} {outcome}: {}", tally.of(query, outcome));
     }
 }
 
@@ -37,8 +36,7 @@ fn rays_at_edges_vertices_and_seams_never_reach_the_surface_behind() {
     assert!(tally.wrong.is_empty(), "{}", tally.wrong.join("\n"));
     for (query, least) in [("edge", 300), ("seam", 300), ("front", 60), ("cast", 1000), ("cast on fronts", 60)] {
         for outcome in ["miss", "one", "several"] {
-            let count = tally.counts.get(&(query, outcome)).copied().unwrap_or_default();
-            assert!(count >= least, "{query} {outcome}: {count}");
+            assert!(tally.of(query, outcome) >= least, "{query} {outcome}: {}", tally.of(query, outcome));
         }
     }
 }
@@ -53,11 +51,10 @@ fn every_point_of_a_manifold_is_on_both_surfaces_and_none_is_missing() {
     [(2, 207), (2, 543), (SEED, 975)].into_iter().for_each(|(seed, index)| tally.judge_manifolds(seed, index));
     println!("seed {SEED}\n{tally}");
     assert!(tally.wrong.is_empty(), "{}", tally.wrong.join("\n"));
-    let count = |what, kind| tally.counts.get(&(what, kind)).copied().unwrap_or_default();
     let bodies =
         "cuboid,ball,capsule,cylinder,cone,rounded disc,hull,compound,ellipsoid,scaled hull,rounded hull,triangle";
     for body in bodies.split(',').chain(["half-space"]) {
-        assert!(count("point", body) >= 800, "{body}: {}", count("point", body));
+        assert!(tally.of("point", body) >= 800, "{body}: {}", tally.of("point", body));
     }
     for (what, kind, least) in [
         ("clipped", "cuboid", 5000),
@@ -75,6 +72,6 @@ fn every_point_of_a_manifold_is_on_both_surfaces_and_none_is_missing() {
         ("chosen", "four", 500),
         ("chosen", "more", 1000),
     ] {
-        assert!(count(what, kind) >= least, "{what} {kind}: {}", count(what, kind));
+        assert!(tally.of(what, kind) >= least, "{what} {kind}: {}", tally.of(what, kind));
     }
 }

@@ -1,8 +1,8 @@
 //! Warm queries on baked hulls: the answers of cold ones, at a fraction of their cost.
 
-use glam::{DQuat, DVec3};
+use glam::DQuat;
 use hullmap::{Cache, Pose, Settings, contact, distance, intersects};
-use hullmap_testkit::{faceless::Faceless, packs::tree_pack};
+use hullmap_testkit::{faceless::Faceless, packs::tree_pack, random::RandomPoses};
 use hullmap_tests::soak::body::Any;
 use shapes::{families::Family, rng::SplitMix64};
 
@@ -28,8 +28,8 @@ fn consecutive_frames_are_cheap() {
         for pair in 0..12 {
             let (a, b) = (&hulls[pair % 3], &hulls[pair / 3 % 3]);
             let size = 0.5 * (a.diameter() + b.diameter());
-            let (axis, beside) = (DVec3::from_array(rng.direction()), DVec3::from_array(rng.direction()) * 0.2);
-            let from = DVec3::from_array(rng.direction());
+            let (axis, beside) = (rng.unit_vector(), rng.unit_vector() * 0.2);
+            let from = rng.unit_vector();
             let mut rotation = DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize();
             let mut caches = [(); 3].map(|()| Cache::default());
             for frame in 0..160 {
