@@ -4,7 +4,7 @@
 
 mod reader;
 
-use std::{collections::BTreeMap, hash::Hasher, mem::offset_of};
+use std::{collections::BTreeMap, hash::Hasher, mem::offset_of, path::Path};
 
 use glam::{DQuat, DVec3};
 use hullmap::{IndexKind as Kind, Pack, PrimitiveKind, SolidKind, SupportMap};
@@ -19,6 +19,8 @@ use hullmap_format::{
     header::HEADER_LEN,
     sections::Sections,
 };
+use hullmap_import::{ImportOptions, Limits, SourceFile, import};
+use hullmap_testkit::random::RandomPoses;
 use hullmap_tests::{directions, hostile::patch::payload};
 use reader::File;
 use shapes::{families::Family, rng::SplitMix64};
@@ -219,7 +221,7 @@ fn support(ours: &reader::Hull, theirs: &hullmap::Hull, count: usize, met: &mut 
         met.kinds |= leaf.kinds;
 
         // A direction in f64 that f32 cannot represent.
-        let fine = DVec3::from_array(rng.direction()) * 1e-9 * dir.as_dvec3().length() + dir.as_dvec3();
+        let fine = rng.unit_vector() * 1e-9 * dir.as_dvec3().length() + dir.as_dvec3();
         assert_eq!(ours.support(fine.to_array()), SupportMap::support_point(theirs, fine).feature);
 
         // If the edges of a vertex certify it, the index finds the same vertex.
@@ -378,26 +380,13 @@ fn grid_coordinates_match_the_runtime() {
     assert_eq!([-1.0, 0.0, 1.0].map(|t| reader::locate([2.0, 2.0 * t, 0.0]).1[0]), [1, 1 << 22, (1 << 23) - 1]);
 }
 
-/// The points of the asset whose pack the document shows.
+/// The asset whose pack the document shows.
 fn tetrahedron() -> PointSet {
-    let positions: Vec<[f32; 3]> = TETRAHEDRON
-        .lines()
-        .filter_map(|line| line.strip_prefix("v "))
-        .map(|line| {
-            let numbers: Vec<f32> = line.split_whitespace().map(|c| c.parse().unwrap()).collect();
-            numbers.try_into().unwrap()
-        })
-        .collect();
-    let corners =
-        |line: &str| -> Vec<u32> { line.split_whitespace().map(|corner| corner.parse::<u32>().unwrap() - 1).collect() };
-    let triangles = TETRAHEDRON.lines().filter_map(|line| line.strip_prefix("f ")).map(corners);
-    PointSet {
-        name: "tetrahedron".to_owned(),
-        source_vertices: (0..positions.len() as u32).collect(),
-        positions,
-        triangles: triangles.map(|face| face.try_into().unwrap()).collect(),
-        ..PointSet::default()
-    }
+    let (file, limits) = ("tetrahedron.obj", Limits::DEFAULT);
+    let source = SourceFile::alone(TETRAHEDRON.into());
+    let mut imported = import(file, "tetrahedron", Path::new(file), &source, &ImportOptions::DEFAULT, &limits).unwrap();
+    imported.give_triangles();
+    imported.point_sets.remove(0)
 }
 
 fn shown_pack() -> Vec<u8> {

@@ -104,52 +104,41 @@ fn start(how: &str, path: &Path) -> Child {
         .unwrap()
 }
 
+/// Waits until a child has opened its pack, and returns the lines that it prints after that.
+fn opened(child: &mut Child) -> impl Iterator<Item = String> + use<> {
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap);
+    assert!(lines.any(|line| line == "opened"), "the child did not open the pack");
+    lines
+}
+
 /// Opens `path` in a child process, runs `change`, and reports what the child answers after it.
 fn after(how: &str, path: &Path, change: impl FnOnce()) -> Outcome {
     let mut child = start(how, path);
-    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap);
-    assert!(lines.any(|line| line == "opened"), "{how}: the child did not open the pack");
+    let mut lines = opened(&mut child);
     change();
     child.stdin.take().unwrap().write_all(b"\n").unwrap();
     let same = lines.find_map(|line| line.strip_prefix("same ").map(|same| same == "true"));
     Outcome { status: child.wait().unwrap(), same }
 }
 
-const COPIES: [&str; 2] = ["open", "bytes"];
-
+/// The crate installs no handler of the signal that a truncated map sends.
 #[test]
-fn truncation_is_a_bus_error_for_a_map_and_harmless_for_a_copy() {
+fn a_map_changes_with_its_file_and_copies_do_not() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("rock.hullmap");
-    let cut = || fs::OpenOptions::new().write(true).open(&path).unwrap().set_len(100).unwrap();
-    fs::write(&path, bytes(LARGE, 1.0)).unwrap();
-    let mapped = after("map", &path, cut);
-    // The crate installs no signal handler.
-    assert_eq!((mapped.status.signal(), mapped.same), (Some(SIGBUS), None));
-    for how in COPIES {
-        fs::write(&path, bytes(LARGE, 1.0)).unwrap();
-        let copy = after(how, &path, cut);
-        assert!(copy.status.success() && copy.same == Some(true), "{how}: {copy:?}");
-    }
-}
-
-#[test]
-fn overwriting_in_place_changes_only_answers_of_a_map() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("rock.hullmap");
-    let overwrite = || fs::write(&path, bytes(LARGE, 2.0)).unwrap();
-    fs::write(&path, bytes(LARGE, 1.0)).unwrap();
-    // The length stays the same.
-    let in_place = || {
-        let mut file = fs::OpenOptions::new().write(true).open(&path).unwrap();
-        file.write_all(&bytes(LARGE, 2.0)).unwrap();
-    };
-    let mapped = after("map", &path, in_place);
-    assert_eq!((mapped.status.success(), mapped.same), (true, Some(false)), "{mapped:?}");
-    for how in COPIES {
-        fs::write(&path, bytes(LARGE, 1.0)).unwrap();
-        let copy = after(how, &path, overwrite);
-        assert!(copy.status.success() && copy.same == Some(true), "{how}: {copy:?}");
+    let open = || fs::OpenOptions::new().write(true).open(&path).unwrap();
+    let truncate = || open().set_len(100).unwrap();
+    let overwrite = || open().write_all(&bytes(LARGE, 2.0)).unwrap();
+    let of_copy = (None, Some(true));
+    for (name, change, of_map) in
+        [("truncated", &truncate as &dyn Fn(), (Some(SIGBUS), None)), ("overwritten", &overwrite, (None, Some(false)))]
+    {
+        for (how, expected) in [("map", of_map), ("open", of_copy), ("bytes", of_copy)] {
+            fs::write(&path, bytes(LARGE, 1.0)).unwrap();
+            let found = after(how, &path, change);
+            assert_eq!((found.status.signal(), found.same), expected, "{name}, {how}: {found:?}");
+            assert_eq!(found.status.success(), expected.0.is_none(), "{name}, {how}: {found:?}");
+        }
     }
 }
 
@@ -340,8 +329,7 @@ fn hostile_writes_stay_within_the_map() {
         let path = folder.path().join(format!("{index}.hullmap"));
         fs::write(&path, file).unwrap();
         let mut child = start("hostile", &path);
-        let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap);
-        assert!(lines.any(|line| line == "opened"), "{name}: the child did not open the pack");
+        let mut lines = opened(&mut child);
         writes += write_while_running(&mut child, &path, index as u64);
         let status = child.wait().unwrap();
         assert!(status.success(), "{name}: the child ended with {status}");

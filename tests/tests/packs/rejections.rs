@@ -36,11 +36,16 @@ fn message(file: &[u8]) -> String {
     error.trim_end_matches("; bake the source again").to_owned()
 }
 
-/// Asserts that a file is rejected with this message, in which `…` stands for any text.
+/// Whether a message is the expected one, in which `…` stands for any text.
+fn matches(message: &str, expected: &str) -> bool {
+    let pattern = format!("^{}$", regex::escape(expected).replace('…', ".*"));
+    Regex::new(&pattern).unwrap().is_match(message)
+}
+
+/// Asserts that a file is rejected with this message.
 fn assert_rejected(file: &[u8], expected: impl AsRef<str>, change: &str) {
-    let pattern = format!("^{}$", regex::escape(expected.as_ref()).replace('…', ".*"));
     let found = message(file);
-    assert!(Regex::new(&pattern).unwrap().is_match(&found), "{change}: {found}");
+    assert!(matches(&found, expected.as_ref()), "{change}: {found}");
 }
 
 /// The table of patches: fields of the archive in a file, values of which each alone is set there,
@@ -307,25 +312,17 @@ fn voids() {
         message(&packs::with_record(&file, Further::Voids, record, offset, &bytes))
     };
     for hull in [1_u32, 3, 4, 5, u32::MAX] {
-        assert_eq!(
-            with(0, 0, hull.to_le_bytes()),
-            format!(
-                "voids, record 0: its hull is {hull} (expected the first part of an object whose mass is recorded, \
-                 from hull 0 on)"
-            )
-        );
+        let expected = "(expected the first part of an object whose mass is recorded, from hull 0 on)";
+        assert_eq!(with(0, 0, hull.to_le_bytes()), format!("voids, record 0: its hull is {hull} {expected}"));
     }
     // Each object has one record, in their order.
     assert!(with(0, 0, 2_u32.to_le_bytes()).starts_with("voids, record 1: its hull is 2 (expected"));
     assert!(with(1, 0, 0_u32.to_le_bytes()).starts_with("voids, record 1: its hull is 0 (expected"));
     for number in [f32::NAN, -0.5, 1.5, f32::INFINITY] {
         for offset in [4, 8] {
-            let found = with(1, offset, number.to_le_bytes());
-            assert!(
-                found.starts_with("voids, record 1: its share of the solid is ")
-                    && found.contains("(expected numbers from 0 to 1)"),
-                "{found}"
-            );
+            let changed = packs::with_record(&file, Further::Voids, 1, offset, &number.to_le_bytes());
+            let expected = "voids, record 1: its share of the solid is …(expected numbers from 0 to 1)…";
+            assert_rejected(&changed, expected, "a number of voids");
         }
     }
     // A pack without voids keeps its version and its bytes.
@@ -374,34 +371,26 @@ fn primitives() {
     let with = |record: usize, offset: usize, bytes: &[u8]| {
         message(&packs::with_record(&file, Further::Primitives, record, offset, bytes))
     };
-    for (record, hull, least) in [(0, 0_u32, 0), (0, 4, 0), (0, u32::MAX, 0), (1, 1, 2), (0, 3, 0)] {
-        let expected = "(expected a part that was measured, from hull";
-        let at = usize::from(hull == 3) + record;
-        let least = if hull == 3 { 4 } else { least };
-        assert_eq!(
-            with(record, 0, &hull.to_le_bytes()),
-            format!("primitives, record {at}: its hull is {hull} {expected} {least} on)")
-        );
+    for (record, hull, at, least) in [(0, 0_u32, 0, 0), (0, 4, 0, 0), (0, u32::MAX, 0, 0), (1, 1, 1, 2), (0, 3, 1, 4)] {
+        let expected = format!("(expected a part that was measured, from hull {least} on)");
+        let found = with(record, 0, &hull.to_le_bytes());
+        assert_eq!(found, format!("primitives, record {at}: its hull is {hull} {expected}"));
     }
     for kind in [0_u32, 5] {
         let text = format!("primitives, record 1: its kind is {kind} (expected 1 to 4)");
         assert_eq!(with(1, 4, &kind.to_le_bytes()), text);
     }
     // A capsule has two sizes, at 64 bytes.
-    for (offset, size) in [(64, 0.0), (64, -1.0), (72, f64::NAN), (72, f64::INFINITY), (80, 1.0), (80, f64::NAN)] {
-        let found = with(0, offset, &size.to_le_bytes());
-        assert!(
-            found.starts_with("primitives, record 0: its sizes are [") && found.contains("(expected 2 positive"),
-            "{found}"
-        );
-    }
-    for (offset, number) in [(8, f64::NAN), (24, f64::INFINITY), (32, 0.5), (56, f64::NAN), (88, -0.5), (88, f64::NAN)]
-    {
-        let found = with(0, offset, &number.to_le_bytes());
-        assert!(
-            found.starts_with("primitives, record 0: its centre is [") && found.contains("a unit quaternion"),
-            "{found}"
-        );
+    let sizes = [(64, 0.0), (64, -1.0), (72, f64::NAN), (72, f64::INFINITY), (80, 1.0), (80, f64::NAN)];
+    let places = [(8, f64::NAN), (24, f64::INFINITY), (32, 0.5), (56, f64::NAN), (88, -0.5), (88, f64::NAN)];
+    for (changes, expected) in [
+        (sizes, "primitives, record 0: its sizes are […(expected 2 positive…"),
+        (places, "primitives, record 0: its centre is […a unit quaternion…"),
+    ] {
+        for (offset, number) in changes {
+            let changed = packs::with_record(&file, Further::Primitives, 0, offset, &number.to_le_bytes());
+            assert_rejected(&changed, expected, &format!("{number} at {offset}"));
+        }
     }
 }
 
@@ -486,8 +475,7 @@ fn outer_hulls_and_indices() {
 /// A small hull whose leaves repeat its vertices would make queries as slow as the file is long.
 #[test]
 fn leaves_have_at_most_as_many_candidates_as_the_hull_has_vertices() {
-    let corners: Vec<[f32; 3]> = (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect();
-    let cube = bake_hull(&point_set("cube", &corners), IndexKind::None).unwrap();
+    let cube = bake_hull(&point_set("cube", &packs::cube()), IndexKind::None).unwrap();
     let block = cube.index.encoded.blocks[0];
     let repeating = |kind: IndexKind, count: u32| {
         let blocks = vec![block; count as usize];
@@ -516,32 +504,39 @@ fn leaves_have_at_most_as_many_candidates_as_the_hull_has_vertices() {
 /// Only `bake verify` compares redundant values.
 #[test]
 fn redundant_values_that_differ() {
-    let cube = samples::named("cube, tree");
-    let compare = |file: Vec<u8>| {
+    let (cube, prism) = (samples::named("cube, tree"), samples::named("prism, tree"));
+    let corners = [0_u32, 1, 2, 3].map(u32::to_le_bytes).concat();
+    for (name, file, expected) in [
+        (
+            "position",
+            changed(&cube, |pack| &pack.blocks[0].x[1], &0.5_f32.to_le_bytes()),
+            "hull 0: block 0, lane 1: it has position [0.5, 0.0, 0.0] (expected [1.0, 0.0, 0.0]…",
+        ),
+        (
+            "edge",
+            changed(&cube, |pack| &pack.edges[0], &5_i16.to_le_bytes()),
+            "hull 0: the edge from vertex 0 to vertex 1 is [5, 0, 0] (expected [32767, 0, 0]…",
+        ),
+        (
+            "fall",
+            changed(&prism, |pack| &pack.quads[0].fall, &0.5_f32.to_le_bytes()),
+            "hull 0: quad 0: its fall is 0.5 (expected 1, from the edges that leave its face); bake the source again",
+        ),
+        (
+            "corners",
+            changed(&prism, |pack| &pack.quads[0].corners[0], &corners),
+            "hull 0: quad 0: it has … of the area of its face…",
+        ),
+        (
+            "unchecked",
+            changed(&cube, |pack| &pack.neighbours[0], &u32::MAX.to_le_bytes()),
+            "hull 0: its neighbours are out of range…",
+        ),
+    ] {
         let payload = payload(&file);
-        repeats::repeats(&Sections::read(&payload).unwrap()).unwrap_err().to_string()
-    };
-    let position = compare(changed(&cube, |pack| &pack.blocks[0].x[1], &0.5_f32.to_le_bytes()));
-    assert!(
-        position.starts_with("hull 0: block 0, lane 1: it has position [0.5, 0.0, 0.0] (expected [1.0, 0.0, 0.0]"),
-        "{position}"
-    );
-    let edge = compare(changed(&cube, |pack| &pack.edges[0], &5_i16.to_le_bytes()));
-    assert!(
-        edge.starts_with("hull 0: the edge from vertex 0 to vertex 1 is [5, 0, 0] (expected [32767, 0, 0]"),
-        "{edge}"
-    );
-    let prism = samples::named("prism, tree");
-    let quad = compare(changed(&prism, |pack| &pack.quads[0].fall, &0.5_f32.to_le_bytes()));
-    assert_eq!(
-        quad,
-        "hull 0: quad 0: its fall is 0.5 (expected 1, from the edges that leave its face); bake the source again"
-    );
-    let quad =
-        compare(changed(&prism, |pack| &pack.quads[0].corners[0], &[0_u32, 1, 2, 3].map(u32::to_le_bytes).concat()));
-    assert!(quad.starts_with("hull 0: quad 0: it has ") && quad.contains(" of the area of its face"), "{quad}");
-    let unchecked = compare(changed(&cube, |pack| &pack.neighbours[0], &u32::MAX.to_le_bytes()));
-    assert!(unchecked.starts_with("hull 0: its neighbours are out of range"), "{unchecked}");
+        let found = repeats::repeats(&Sections::read(&payload).unwrap()).unwrap_err().to_string();
+        assert!(matches(&found, expected), "{name}: {found}");
+    }
 }
 
 /// Queries between packs descend the tree and rely on its boxes.
@@ -591,19 +586,19 @@ fn each_way_to_open_skips_the_checks_in_its_name() {
         changed
     };
     let vertex = offset_of(&file, |pack| &pack.vertices[0]);
-    assert_eq!(ways(&changed(vertex, &f32::NAN.to_le_bytes(), false)), [false, true, true], "the checksum");
-    assert_eq!(ways(&changed(vertex, &f32::NAN.to_le_bytes(), true)), [false, true, true], "a coordinate");
     let span = offset_of(&file, |pack| &pack.spans[1].vertex);
-    assert_eq!(ways(&changed(span, &u32::MAX.to_le_bytes(), true)), [false, false, true], "the start of a hull's run");
-    let vector = file.len() - 4;
-    assert_eq!(
-        ways(&changed(vector, &u32::MAX.to_le_bytes(), true)),
-        [false, false, false],
-        "a vector outside the file"
-    );
-    assert_eq!(ways(&changed(8, &99_u32.to_le_bytes(), true)), [false, false, false], "the version");
-    assert_eq!(ways(&file[..file.len() - 1]), [false, false, false], "the length");
-    assert_eq!(ways(&[]), [false, false, false]);
+    let (nan, greatest) = (f32::NAN.to_le_bytes(), u32::MAX.to_le_bytes());
+    for (damage, file, expected) in [
+        ("the checksum", changed(vertex, &nan, false), [false, true, true]),
+        ("a coordinate", changed(vertex, &nan, true), [false, true, true]),
+        ("the start of a hull's run", changed(span, &greatest, true), [false, false, true]),
+        ("a vector outside the file", changed(file.len() - 4, &greatest, true), [false; 3]),
+        ("the version", changed(8, &99_u32.to_le_bytes(), true), [false; 3]),
+        ("the length", file[..file.len() - 1].to_vec(), [false; 3]),
+        ("nothing left", Vec::new(), [false; 3]),
+    ] {
+        assert_eq!(ways(&file), expected, "{damage}");
+    }
     // A hull whose data is out of range is reported as missing, and not read.
     std::fs::write(&path, changed(span, &u32::MAX.to_le_bytes(), true)).unwrap();
     assert!(Pack::open_skipping_checks(&path).unwrap().hull(0).is_err());
