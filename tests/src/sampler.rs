@@ -97,7 +97,8 @@ fn on_hull(hull: &Hull, rng: &mut SplitMix64) -> DVec3 {
 }
 
 /// Whether a point is inside by a quarter of a winding, or a ray meets an odd number of triangles:
-/// generous, so that no claim is called false where a triangle faces the other way than its surface.
+/// generous, so that no claim is called false where a triangle faces the other way than its
+/// surface.
 fn is_inside(triangles: &[[DVec3; 3]], p: DVec3) -> bool {
     let ray = DVec3::new(0.36, 0.48, 0.8);
     let is_crossed = |corners: &&[DVec3; 3]| {

@@ -26,8 +26,8 @@ pub struct Tally {
     /// Bakes that met a fault.
     pub bakes: usize,
     /// Bakes that were killed, or reported the fault by exit code 2 and a message, or absorbed it:
-    /// they ended with exit code 0 and did everything. Some of them are mixed: they left old and new
-    /// outputs. The temporary files of others were removed by the next bake.
+    /// they ended with exit code 0 and did everything. Some of them are mixed: they left old and
+    /// new outputs. The temporary files of others were removed by the next bake.
     outcomes: BTreeMap<&'static str, usize>,
     /// Failed calls, by their name and how the bake ended.
     by_call: BTreeMap<(String, &'static str), usize>,

@@ -172,8 +172,8 @@ fn judge_form(judge: &mut Claims<'_>, answer: &Answer, path: &Path, settings: &C
     }
 }
 
-/// At the lower bound of t, the shapes are `way` from leaving each other along the normal. At t, the
-/// points are so far inside of their shapes.
+/// At the lower bound of t, the shapes are `way` from leaving each other along the normal. At t,
+/// the points are so far inside of their shapes.
 fn judge_planes(judge: &mut Claims<'_>, answer: &Answer, path: &Path, way: f64, inside: &[(&'static str, f64)]) {
     let [lower, _, upper] = answer.t;
     // A path that starts inside of the shape meets its surface nowhere, which the status need not

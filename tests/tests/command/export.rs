@@ -1,4 +1,5 @@
-//! `bake export`: files that another crate judges. `tests/cases/assets.md` bakes exported hulls again.
+//! `bake export`: files that another crate judges. `tests/cases/assets.md` bakes exported hulls
+//! again.
 
 use std::fs;
 

@@ -154,8 +154,8 @@ fn overstated_covers_and_protrusions_fail() {
     assert_claims_are_tight(&folder, &fs::read(folder.path().join("baked/x.hullmap")).unwrap(), false);
 }
 
-/// The recorded mass of the U is the mass of its three bars: a sum of boxes. Its parts are the bars,
-/// which leave no voids. Packs that record other numbers are rejected.
+/// The recorded mass of the U is the mass of its three bars: a sum of boxes. Its parts are the
+/// bars, which leave no voids. Packs that record other numbers are rejected.
 #[test]
 fn wrong_masses_and_voids_fail_verify() {
     let (folder, file) = baked_horseshoe("");
