@@ -8,9 +8,10 @@ use super::Hull;
 use crate::{
     facets::view::Facets,
     pack::{NoHullNamed, NoSuchHull, Pack},
-    shapes::{Feature, Shape},
+    pose::Pose,
+    shapes::{Feature, Shape, shape::forward_shape},
     solver::Ray,
-    support::{Lookup, SupportMap, SupportPoint},
+    support::{Bounds, FeaturePoint, LevelEdges, Lookup, SupportMap, SupportPoint, support_map::forward_support_map},
 };
 
 self_cell::self_cell!(
@@ -126,96 +127,9 @@ impl fmt::Debug for SharedHull {
 }
 
 impl SupportMap for SharedHull {
-    #[inline(always)]
-    fn support_point(&self, dir: DVec3) -> SupportPoint {
-        SupportMap::support_point(self.hull(), dir)
-    }
-
-    #[inline]
-    fn interior_point(&self) -> DVec3 {
-        self.hull().interior_point()
-    }
-
-    #[inline]
-    fn inner_radius(&self) -> f64 {
-        self.hull().inner_radius()
-    }
-
-    #[inline]
-    fn outer_radius(&self) -> f64 {
-        self.hull().outer_radius()
-    }
-
-    #[inline]
-    fn support_error(&self) -> f64 {
-        self.hull().support_error()
-    }
-
-    #[inline]
-    fn point(&self, feature: u32) -> Option<DVec3> {
-        self.hull().point(feature)
-    }
-
-    fn polytope_vertex(&self, index: u32) -> Option<DVec3> {
-        self.hull().polytope_vertex(index)
-    }
-
-    #[inline(always)]
-    fn fetch_ahead(&self) {
-        self.hull().fetch_ahead();
-    }
-
-    #[inline(always)]
-    fn fetch_part(&self, part: usize) -> bool {
-        self.hull().fetch_part(part)
-    }
-
-    #[inline(always)]
-    fn start_lookup(&self, dir: DVec3) -> Lookup {
-        self.hull().start_lookup(dir)
-    }
-
-    #[inline(always)]
-    fn continue_lookup(&self, dir: DVec3, lookup: Lookup) -> Lookup {
-        self.hull().continue_lookup(dir, lookup)
-    }
-
-    #[inline(always)]
-    fn finish_lookup(&self, dir: DVec3, lookup: Lookup) -> SupportPoint {
-        self.hull().finish_lookup(dir, lookup)
-    }
-
-    #[inline(always)]
-    fn working_set_len(&self) -> usize {
-        self.hull().working_set_len()
-    }
-
-    #[inline(always)]
-    fn facets(&self) -> Option<Facets<'_>> {
-        self.hull().facets()
-    }
-
-    fn stored_bounds(&self) -> Option<[DVec3; 2]> {
-        self.hull().stored_bounds()
-    }
-
-    #[inline]
-    fn support_point_from(&self, dir: DVec3, hint: u32) -> SupportPoint {
-        SupportMap::support_point_from(self.hull(), dir, hint)
-    }
+    forward_support_map!(self => self.hull());
 }
 
 impl Shape for SharedHull {
-    fn feature(&self, dir: DVec3, out: &mut Feature) {
-        self.hull().feature(dir, out);
-    }
-    fn feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
-        self.hull().feature_within(dir, reach, out);
-    }
-    fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
-        self.hull().reduced_feature_within(dir, reach, out);
-    }
-    fn entry(&self, ray: &Ray, near: u32) -> Option<f64> {
-        self.hull().entry(ray, near)
-    }
+    forward_shape!(self => self.hull());
 }

@@ -2,9 +2,11 @@
 //! judges all pairings of kinds: hulls of all ranks, closed forms, scaled and rounded shapes.
 
 use crate::any_shape::{contact, distance};
+use std::sync::Arc;
+
 use glam::{DQuat, DVec3};
 use hullmap::shapes::{Capsule, Cone, Cuboid, Cylinder, Rounded, Scaled, Segment, Sphere, Triangle};
-use hullmap::{Cache, Contact, Pack, Pose, Settings, Shape, ShapeError, SupportMap};
+use hullmap::{Cache, Contact, Pack, Pose, Settings, Shape, ShapeError};
 use hullmap_testkit::{packs::tree_pack, random::RandomPoses};
 use shapes::{families::Family, rng::SplitMix64};
 
@@ -213,22 +215,27 @@ fn answers<S: Shape>(shape: S, dir: DVec3) -> String {
     let points = [shape.interior_point(), shape.support_point(dir).point, shape.core_support_point(dir).point];
     let feature = shape.support_point(dir).feature;
     let hinted = shape.support_point_from(dir, feature);
-    let known = [shape.point(feature), shape.core_point(feature)];
-    format!("{features:?} {radii:?} {:?} {points:?} {hinted:?} {known:?}", shape.core_radii())
+    let known = [shape.point(feature), shape.core_point(feature), shape.polytope_vertex(3)];
+    let edges = (shape.level_edges(feature, dir, 0.1), shape.only_level_edge(feature, dir, 0.1));
+    let bounds = (shape.stored_bounds(), shape.bounds_under(Pose::IDENTITY));
+    let sizes = (shape.core_radii(), shape.working_set_len(), shape.facets().is_some(), shape.has_polytope_core());
+    format!("{features:?} {radii:?} {sizes:?} {points:?} {hinted:?} {known:?} {edges:?} {bounds:?}")
 }
 
-/// A forgotten method of a reference would be the trait's default.
+/// A forgotten method of a reference would be the trait's default. Derivatives of shared hulls did
+/// not know the edges.
 #[test]
-#[expect(clippy::needless_borrow, clippy::needless_borrows_for_generic_args, reason = "references are the subject")]
-fn a_reference_to_a_shape_is_the_same_shape() {
+#[expect(clippy::needless_borrows_for_generic_args, reason = "references are the subject")]
+fn references_to_a_shape_and_shared_hulls_are_the_same_shape() {
     let mut rng = SplitMix64::new(SEED + 6);
     let packs = packs();
-    let (hull, pose) = (packs[4].1.hull(0).unwrap(), Pose::new(DVec3::X, rng.rotation()).unwrap());
+    let hull = packs[4].1.hull(0).unwrap();
+    let shared = Arc::new(tree_pack(&Family::Rock.points(300, 1))).shared_hull(0).unwrap();
     let rounded = Rounded::new(Cuboid::new(DVec3::new(0.5, 0.3, 0.7)).unwrap(), 0.2).unwrap();
     for _ in 0..200 {
         let dir = DVec3::Z + rng.unit_vector() * 0.1;
         assert_eq!(answers(&hull, dir), answers(hull, dir));
+        assert_eq!(answers(&shared, dir), answers(shared.hull(), dir));
         assert_eq!(answers(&rounded, dir), answers(rounded, dir));
     }
-    assert_eq!((&hull).bounds_under(pose), hull.bounds_under(pose));
 }

@@ -1,24 +1,15 @@
 //! A hull that owns its share of the pack: it can be stored, sent to threads and outlive the pack's
-//! own handle.
+//! own handle. `pairings` compares its answers with those of the borrowed hull.
 
 use std::sync::Arc;
 
-use crate::any_shape::contact;
-use hullmap::glam::{DQuat, DVec3, Vec3};
-use hullmap::{Cache, Pack, Pose, Settings, Shape, SharedHull, SupportMap};
+use hullmap::Pack;
+use hullmap::glam::Vec3;
 use hullmap_bake::IndexKind;
 use shapes::families::Family;
 
 fn pack() -> Arc<Pack> {
     Arc::new(hullmap_testkit::packs::pack("rock", &Family::Rock.points(300, 7), IndexKind::Tree))
-}
-
-/// Requirements of engines on a collider's shape.
-fn assert_storable<T: Shape + Clone + Send + Sync + 'static>() {}
-
-#[test]
-fn shared_hulls_can_be_stored_and_sent() {
-    assert_storable::<SharedHull>();
 }
 
 #[test]
@@ -36,22 +27,6 @@ fn a_shared_hull_keeps_its_pack_alive() {
     let found = std::thread::spawn(move || copy.hull().support(Vec3::X)).join().unwrap();
     assert_eq!(found, expected);
     assert!(weak.upgrade().is_none(), "the last shared hull releases the pack");
-}
-
-#[test]
-fn shared_and_borrowed_hulls_answer_alike() {
-    let pack = pack();
-    let (shared, borrowed) = (pack.shared_hull(0).unwrap(), pack.hull(0).unwrap());
-    for step in 0..50 {
-        let way = DVec3::new(f64::from(step).sin(), f64::from(step).cos(), 0.3);
-        let b_in_a = Pose::new(way * 1.2, DQuat::from_rotation_y(f64::from(step))).unwrap();
-        let settings = Settings::default();
-        assert_eq!(
-            contact(&shared, &shared, b_in_a, &settings, &mut Cache::new()),
-            contact(&borrowed, &borrowed, b_in_a, &settings, &mut Cache::new())
-        );
-        assert_eq!(shared.support_point(way), borrowed.support_point(way));
-    }
 }
 
 #[test]
