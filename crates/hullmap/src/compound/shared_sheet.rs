@@ -22,6 +22,18 @@ pub enum SharedSheet {
     Field(Arc<HeightField>),
 }
 
+impl From<Arc<TriangleMesh>> for SharedSheet {
+    fn from(mesh: Arc<TriangleMesh>) -> Self {
+        Self::Mesh(mesh)
+    }
+}
+
+impl From<Arc<HeightField>> for SharedSheet {
+    fn from(field: Arc<HeightField>) -> Self {
+        Self::Field(field)
+    }
+}
+
 impl SharedSheet {
     /// Name of its kind, with the article.
     pub fn name(&self) -> &'static str {
@@ -40,6 +52,11 @@ impl SharedSheet {
     /// [`triangle_count`](Self::triangle_count).
     pub fn triangle(&self, index: usize) -> Option<Triangle> {
         self.part(index)
+    }
+
+    /// Unit normal of a triangle, to its front; `None` in a hole, and if it has no area.
+    pub fn normal(&self, index: usize) -> Option<DVec3> {
+        self.sheet_normal(index)
     }
 }
 

@@ -25,6 +25,68 @@ pub(crate) trait Checked: Sized {
     }
 }
 
+/// Methods of the content of a file, which is in `storage`, after its `header`.
+macro_rules! impl_checked {
+    ($file:ident) => {
+        impl $file {
+            /// Reads the file into memory of this process and checks all of it.
+            ///
+            /// # Errors
+            /// [`OpenError`] names the file, what is wrong with it, and what to do.
+            ///
+            /// # Complexity
+            /// One read and a few passes over the file.
+            pub fn open(path: impl AsRef<std::path::Path>) -> Result<Self, OpenError> {
+                checked::open(path.as_ref())
+            }
+
+            /// Copies the bytes of a whole file and checks all of them.
+            ///
+            /// # Errors
+            /// The bytes are rejected; the error states the first fault.
+            ///
+            /// # Complexity
+            /// One copy, and a few passes.
+            pub fn from_bytes(bytes: &[u8]) -> Result<Self, InvalidPack> {
+                checked::from_bytes(bytes)
+            }
+
+            /// Path of the source relative to the folder of the file, with `/` between folders;
+            /// empty if it was not recorded.
+            pub fn source_path(&self) -> &str {
+                std::str::from_utf8(self.sections().source_path).unwrap_or_default()
+            }
+
+            /// The options that shaped the bake, in the form in which `bake` records them: one
+            /// line.
+            pub fn options(&self) -> &str {
+                self.sections().options_text().split('\n').next().unwrap_or_default()
+            }
+
+            /// Warnings of the bake, each with its remedy.
+            pub fn warnings(&self) -> impl Iterator<Item = &str> {
+                self.sections().options_text().split('\n').skip(1)
+            }
+
+            /// Header of the file.
+            pub fn header(&self) -> &Header {
+                &self.header
+            }
+
+            /// Bytes of the whole file.
+            pub fn bytes(&self) -> &[u8] {
+                self.storage.borrow_owner().as_slice()
+            }
+
+            #[inline]
+            fn sections(&self) -> &Sections<'_> {
+                self.storage.borrow_dependent()
+            }
+        }
+    };
+}
+pub(crate) use impl_checked;
+
 /// Reads a file into memory of this process and checks all of it.
 pub(crate) fn open<F: Checked>(path: &Path) -> Result<F, OpenError> {
     let (header, bytes) = read(path, Some(F::KIND))?;

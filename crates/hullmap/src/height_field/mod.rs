@@ -50,8 +50,6 @@ mod ground;
 mod in_box;
 pub(crate) mod walk;
 
-use std::path::Path;
-
 use glam::{DVec2, DVec3};
 pub use ground::Ground;
 pub use hullmap_format::height_field::layout::{Diagonal, Layout};
@@ -115,29 +113,9 @@ impl Checked for HeightField {
     }
 }
 
+checked::impl_checked!(HeightField);
+
 impl HeightField {
-    /// Reads the file into memory of this process and checks all of it.
-    ///
-    /// # Errors
-    /// [`OpenError`] names the file, what is wrong with it, and what to do.
-    ///
-    /// # Complexity
-    /// One read and a few passes over the file.
-    pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
-        checked::open(path.as_ref())
-    }
-
-    /// Copies the bytes of a whole file and checks all of them.
-    ///
-    /// # Errors
-    /// The bytes are rejected; the error states the first fault.
-    ///
-    /// # Complexity
-    /// One copy, and a few passes.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, InvalidPack> {
-        checked::from_bytes(bytes)
-    }
-
     /// The grid: numbers of columns and rows, origin, spacing, and the diagonal of the cells.
     pub fn layout(&self) -> &Layout {
         &self.layout
@@ -272,36 +250,6 @@ impl HeightField {
         let (height, is_second) = ground::in_cell(corners, self.layout.diagonal, point);
         let triangle = 2 * self.layout.cell(column, row) + usize::from(is_second);
         Some(Ground { height, normal: self.normal(triangle)?, triangle })
-    }
-
-    /// Path of the source relative to the file's folder; empty if no path was recorded.
-    pub fn source_path(&self) -> &str {
-        std::str::from_utf8(self.sections().source_path).unwrap_or_default()
-    }
-
-    /// The options that shaped the bake, in the form in which `bake` records them: one line.
-    pub fn options(&self) -> &str {
-        self.sections().options_text().split('\n').next().unwrap_or_default()
-    }
-
-    /// Warnings of the bake, each with its remedy.
-    pub fn warnings(&self) -> impl Iterator<Item = &str> {
-        self.sections().options_text().split('\n').skip(1)
-    }
-
-    /// Header of the file.
-    pub fn header(&self) -> &Header {
-        &self.header
-    }
-
-    /// Bytes of the whole file.
-    pub fn bytes(&self) -> &[u8] {
-        self.storage.borrow_owner().as_slice()
-    }
-
-    #[inline]
-    fn sections(&self) -> &Sections<'_> {
-        self.storage.borrow_dependent()
     }
 
     /// Whether a triangle exists, and is not in a hole.

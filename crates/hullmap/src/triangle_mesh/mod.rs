@@ -42,8 +42,6 @@ mod map;
 mod on_line;
 pub(crate) mod winding;
 
-use std::path::Path;
-
 use glam::DVec3;
 use hullmap_format::{
     header::{FileKind, Header},
@@ -120,29 +118,9 @@ impl Checked for TriangleMesh {
     }
 }
 
+checked::impl_checked!(TriangleMesh);
+
 impl TriangleMesh {
-    /// Reads the file into memory of this process and checks all of it.
-    ///
-    /// # Errors
-    /// [`OpenError`] names the file, what is wrong with it, and what to do.
-    ///
-    /// # Complexity
-    /// One read and a few passes over the file.
-    pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
-        checked::open(path.as_ref())
-    }
-
-    /// Copies the bytes of a whole file and checks all of them.
-    ///
-    /// # Errors
-    /// The bytes are rejected; the error states the first fault.
-    ///
-    /// # Complexity
-    /// One copy, and a few passes.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, InvalidPack> {
-        checked::from_bytes(bytes)
-    }
-
     /// Number of triangles, at least 1.
     pub fn triangle_count(&self) -> usize {
         self.sections().triangle_count()
@@ -248,40 +226,9 @@ impl TriangleMesh {
         self.record().map_or(0, |record| record.merged.to_native() as usize)
     }
 
-    /// Path of the source relative to the folder of the file, with `/` between folders; empty if it
-    /// was not recorded.
-    pub fn source_path(&self) -> &str {
-        std::str::from_utf8(self.sections().source_path).unwrap_or_default()
-    }
-
-    /// The options that shaped the bake, in the form in which `bake` records them: one line.
-    pub fn options(&self) -> &str {
-        self.sections().options_text().split('\n').next().unwrap_or_default()
-    }
-
-    /// Warnings of the bake about the mesh, each with its remedy.
-    pub fn warnings(&self) -> impl Iterator<Item = &str> {
-        self.sections().options_text().split('\n').skip(1)
-    }
-
     /// Minimum and maximum coordinates of the vertices.
     pub fn bounds(&self) -> [glam::Vec3; 2] {
         bounds(self.sections()).map(glam::Vec3::from_array)
-    }
-
-    /// Header of the file.
-    pub fn header(&self) -> &Header {
-        &self.header
-    }
-
-    /// Bytes of the whole file.
-    pub fn bytes(&self) -> &[u8] {
-        self.storage.borrow_owner().as_slice()
-    }
-
-    #[inline]
-    fn sections(&self) -> &Sections<'_> {
-        self.storage.borrow_dependent()
     }
 
     fn record(&self) -> Option<&ArchivedRecord> {
