@@ -66,11 +66,23 @@ pub fn tree_bytes(positions: &[[f32; 3]]) -> Vec<u8> {
     bytes.unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A mesh. Panics if it cannot be baked.
+/// An opened pack of several hulls. Panics if the points cannot be baked, or the pack does not open.
+pub fn parts(sets: &[PointSet]) -> Pack {
+    let bytes = bytes(sets, IndexKind::Tree, &SourceRecord::default()).unwrap_or_else(|error| panic!("{error}"));
+    Pack::from_bytes(&bytes).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The corners of a box.
+pub fn corners(low: [f32; 3], high: [f32; 3]) -> Vec<[f32; 3]> {
+    (0..8).map(|i| [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] })).collect()
+}
+
+/// A triangle mesh. The material of a triangle is its index here. Panics if it cannot be baked.
 pub fn triangle_mesh(positions: &[[f32; 3]], corners: &[[u32; 3]]) -> TriangleMesh {
-    let baked = bake_triangle_mesh(&Triangles { positions, corners, materials: &[] }).expect("a mesh");
-    let file = write_triangle_mesh(baked, &SourceRecord::default()).expect("a file");
-    TriangleMesh::from_bytes(&file).expect("the file is valid")
+    let materials: Vec<u16> = (0..corners.len()).map(|index| index as u16).collect();
+    let baked = bake_triangle_mesh(&Triangles { positions, corners, materials: &materials });
+    let file = baked.and_then(|baked| write_triangle_mesh(baked, &SourceRecord::default()));
+    TriangleMesh::from_bytes(&file.expect("a mesh can be baked")).expect("the file is valid")
 }
 
 /// A mesh of triangles that share no vertex. Panics if it cannot be baked.
@@ -80,11 +92,11 @@ pub fn loose_mesh(triangles: &[[DVec3; 3]]) -> TriangleMesh {
     triangle_mesh(&positions, &corners)
 }
 
-/// A height field. Panics if it cannot be baked.
+/// A height field without materials. Panics if it cannot be baked.
 pub fn height_field(layout: Layout, heights: &[f32], holes: &[bool]) -> HeightField {
-    let baked = bake_height_field(&HeightGrid { layout, heights, holes, materials: &[] }).expect("a field");
-    let file = write_height_field(baked, &SourceRecord::default()).expect("a file");
-    HeightField::from_bytes(&file).expect("the file is valid")
+    let baked = bake_height_field(&HeightGrid { layout, heights, holes, materials: &[] });
+    let file = baked.and_then(|baked| write_height_field(baked, &SourceRecord::default()));
+    HeightField::from_bytes(&file.expect("a field can be baked")).expect("the file is valid")
 }
 
 /// Further sections of extended packs.

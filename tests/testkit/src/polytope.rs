@@ -1,4 +1,4 @@
-//! A hull as points, face normals and edges, in f64.
+//! A hull as points, face normals and edges, in f64; and the intersection of half-spaces.
 
 use glam::{DMat3, DVec3};
 use hullmap::{Hull, Pose};
@@ -34,6 +34,52 @@ pub fn height_over_faces(hull: &Hull<'_>, point: DVec3) -> f64 {
         hull.face_normal(face).unwrap().dot(point - corner)
     };
     (0..hull.face_count() as u32).map(over).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Outward normal and offset of a half-space.
+pub type Plane = (DVec3, f64);
+
+/// Vertices of the intersection of half-spaces, by solving all triples of planes.
+pub fn vertices(planes: &[Plane]) -> Vec<DVec3> {
+    let mut found: Vec<DVec3> = Vec::new();
+    for (i, (n, d)) in planes.iter().enumerate() {
+        for (j, (m, e)) in planes.iter().enumerate().skip(i + 1) {
+            for (o, f) in &planes[j + 1..] {
+                let determinant = n.dot(m.cross(*o));
+                if determinant.abs() < 1e-9 {
+                    continue;
+                }
+                let p = (*d * m.cross(*o) + *e * o.cross(*n) + *f * n.cross(*m)) / determinant;
+                if planes.iter().all(|(n, d)| n.dot(p) <= d + 1e-9) && found.iter().all(|q| q.distance(p) > 1e-7) {
+                    found.push(p);
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Vertices of `count` parts whose union is the intersection of half-spaces: the largest part is
+/// cut through its centre, again and again, by a plane with the next `normal`. `grow` moves the cuts
+/// outwards, so that the parts overlap; a negative value leaves gaps.
+pub fn cut(planes: &[Plane], count: usize, grow: f64, mut normal: impl FnMut() -> DVec3) -> Vec<Vec<DVec3>> {
+    let size = |part: &Vec<Plane>| {
+        let found = vertices(part);
+        let far = |p: &DVec3| found.iter().map(|q| p.distance(*q)).fold(0.0, f64::max);
+        found.iter().map(far).fold(0.0, f64::max)
+    };
+    let mut parts = vec![planes.to_vec()];
+    while parts.len() < count {
+        let largest = (0..parts.len()).max_by(|a, b| size(&parts[*a]).total_cmp(&size(&parts[*b])));
+        let part = parts.swap_remove(largest.expect("there is a part"));
+        let found = vertices(&part);
+        let centre = found.iter().sum::<DVec3>() / found.len() as f64;
+        let normal = normal();
+        for normal in [normal, -normal] {
+            parts.push(part.iter().copied().chain([(normal, normal.dot(centre) + grow)]).collect());
+        }
+    }
+    parts.iter().map(|part| vertices(part)).filter(|part| part.len() > 3).collect()
 }
 
 /// A solid or a polygon.

@@ -175,7 +175,7 @@ mod tests {
     use std::marker::PhantomData;
 
     use super::*;
-    use crate::support::simd::{Dispatch, Instructions, Kernel, Portable};
+    use crate::support::simd::{Dispatch, Kernel, Portable, dispatches};
 
     fn blocks(points: &[[f32; 3]]) -> Vec<ArchivedBlock> {
         let block = |(index, chunk): (usize, &[[f32; 3]])| {
@@ -185,11 +185,6 @@ mod tests {
             ArchivedBlock { x: component(0), y: component(1), z: component(2), vertex }
         };
         points.chunks(LANES).enumerate().map(block).collect()
-    }
-
-    /// Every instruction set of this processor.
-    fn dispatches() -> impl Iterator<Item = Dispatch> {
-        [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::detect)
     }
 
     #[derive(Clone, Copy)]

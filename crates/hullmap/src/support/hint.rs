@@ -89,12 +89,7 @@ mod tests {
     use shapes::rng::SplitMix64;
 
     use super::*;
-    use crate::support::simd::{Dispatch, Instructions};
-
-    /// Every instruction set of this processor.
-    fn dispatches() -> impl Iterator<Item = Dispatch> {
-        [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::detect)
-    }
+    use crate::support::simd::dispatches;
 
     /// Components of `count` edges that descend along x, followed by `more` unrelated ones.
     fn components(rng: &mut SplitMix64, count: usize, more: usize) -> Vec<i16_le> {

@@ -9,7 +9,6 @@ use hullmap::{
     Cache, CastSettings, Compound, Contact, Distance, Geometry, Impact, Manifold, ManifoldSettings, Motion, Overlap,
     Pack, Pose, Prediction, Ray, RayHit, Settings, Shape, Status, SupportMap,
 };
-use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::packs::{self, point_set};
 use hullmap_testkit::{gap::distance_by_features, polytope::Polytope, random::RandomPoses, reach::Reach};
 use shapes::{families::Family, rng::SplitMix64};
@@ -29,19 +28,13 @@ pub(crate) fn pack(count: usize, radius: f64, seed: u64) -> Pack {
         let points: Vec<[f32; 3]> = family.points(40, number as u64).iter().map(placed).collect();
         point_set(&number.to_string(), &points)
     });
-    let sets: Vec<_> = parts.collect();
-    Pack::from_bytes(&packs::bytes(&sets, IndexKind::Tree, &SourceRecord::default()).unwrap()).unwrap()
+    packs::parts(&parts.collect::<Vec<_>>())
 }
 
 fn poses(count: usize, reach: f64, seed: u64) -> Vec<Pose> {
     let mut rng = SplitMix64::new(seed);
-    (0..count)
-        .map(|_| {
-            let translation = DVec3::from_array(rng.direction()) * reach * rng.between(0.2, 1.0);
-            let axis = DVec3::from_array(rng.direction());
-            Pose::new(translation, DQuat::from_axis_angle(axis, rng.between(0.0, 6.0))).unwrap()
-        })
-        .collect()
+    let mut pose = || Pose::new(rng.unit_vector() * reach * rng.between(0.2, 1.0), rng.rotation()).unwrap();
+    (0..count).map(|_| pose()).collect()
 }
 
 /// Pairs of packs with few and with many parts, one of them with a single hull.
@@ -58,11 +51,6 @@ pub(crate) fn pairs<'a>(
     b: &'a Pack,
 ) -> impl Iterator<Item = ([usize; 2], hullmap::Hull<'a>, hullmap::Hull<'a>)> {
     a.hulls().enumerate().flat_map(|(i, hull_a)| b.hulls().enumerate().map(move |(j, hull_b)| ([i, j], hull_a, hull_b)))
-}
-
-/// The hulls that decided an answer.
-fn hulls_of<'p>(a: &'p Pack, b: &'p Pack, [of_a, of_b]: [u32; 2]) -> [hullmap::Hull<'p>; 2] {
-    [a.hull(of_a as usize).unwrap(), b.hull(of_b as usize).unwrap()]
 }
 
 /// Two parts as shapes, and their indices.
@@ -455,7 +443,8 @@ fn casts_agree_with_all_pairs() {
             assert!(answer.t_lower <= upper && lower <= answer.t_upper, "{at}, {lower} to {upper}");
             assert!(answer.t_lower <= answer.t && answer.t <= answer.t_upper, "{at}");
             assert!((answer.t - t).abs() * motion.velocity().length() < 2e-5, "{at}: {t}");
-            let [hull_a, hull_b] = hulls_of(&a, &b, found.parts);
+            let [hull_a, hull_b] =
+                [(&a, found.parts[0]), (&b, found.parts[1])].map(|(pack, part)| pack.hull(part as usize).unwrap());
             let alone = hullmap::cast(&hull_a, &hull_b, pose, motion, &settings, &mut Cache::new());
             assert!(alone.hit && alone.t_lower <= answer.t_upper, "{at}: {alone:?}");
             hits += 1;
@@ -520,16 +509,12 @@ fn rays_and_half_space_casts_agree_with_all_parts() {
 /// its radius, and lands on the floor.
 #[test]
 fn a_ball_that_grazes_a_part_meets_it_before_the_part_behind() {
-    let part = |low: [f32; 3], high: [f32; 3]| {
-        let corner = |i: usize| std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
-        point_set("part", &(0..8).map(corner).collect::<Vec<_>>())
-    };
-    let sets = [
+    let part = |low: [f32; 3], high: [f32; 3]| point_set("part", &packs::corners(low, high));
+    let pack = packs::parts(&[
         part([-1.0, -1.0, -1.0], [0.0, 1.0, 1.0]),
         part([0.0, -1.0, -1.0], [1.0, 1.0, 1.0]),
         part([-9.0, -9.0, -3.0], [9.0, 9.0, -2.0]),
-    ];
-    let pack = Pack::from_bytes(&packs::bytes(&sets, IndexKind::Tree, &SourceRecord::default()).unwrap()).unwrap();
+    ]);
     let (ball, start) = (Sphere::new(0.5).unwrap(), Pose::from_translation(DVec3::new(1.5, 0.0, 5.0)).unwrap());
     let (down, settings) = (Motion::new(DVec3::NEG_Z).unwrap(), CastSettings::default());
     let ball: &(dyn Shape + Sync) = &ball;
@@ -541,8 +526,7 @@ fn a_ball_that_grazes_a_part_meets_it_before_the_part_behind() {
 /// Boxes are their own bounding boxes, so a gap of a few ulps could mislead a stage.
 #[test]
 fn one_ulp_gap_between_boxes() {
-    let cube: Vec<[f32; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|bit| bit as f32)).collect();
-    let pack = packs::tree_pack(&cube);
+    let pack = packs::tree_pack(&packs::corners([0.0; 3], [1.0; 3]));
     let hull = pack.hull(0).unwrap();
     for turn in [DQuat::IDENTITY, DQuat::from_rotation_z(0.3), DQuat::from_xyzw(0.1, 0.7, -0.2, 0.5).normalize()] {
         let way = turn * DVec3::Y;

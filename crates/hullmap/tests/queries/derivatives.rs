@@ -95,6 +95,20 @@ impl Judged {
         self.judged += 1;
         self.worst = self.worst.max(worst);
     }
+
+    /// Asserts that no derivative is off by more than `most`, and that at most one in `rare` is
+    /// flagged.
+    fn assert(self, tolerance: f64, most: f64, rare: usize) {
+        let Self { unique, flagged, judged, worst } = self;
+        println!("tolerance {tolerance}: {unique} unique, {flagged} flagged, {judged} judged, off by {worst:e}");
+        assert!(worst < most, "off by {worst:e} with a tolerance of {tolerance}, seed {SEED:#x}");
+        assert!(judged > 400 && flagged * rare < unique, "{unique} unique, {flagged} flagged, {judged} judged");
+    }
+}
+
+/// The middle of an interval, if it is as narrow as rounding allows.
+fn certified(lower: f64, upper: f64) -> Option<f64> {
+    (upper - lower < 1e-12).then_some(0.5 * (lower + upper))
 }
 
 /// Gradients of curved shapes were as inaccurate as the square root of the tolerance, and were
@@ -103,7 +117,6 @@ impl Judged {
 fn gradients_of_curved_shapes_are_exact_for_every_tolerance() {
     let pack = packs::tree_pack(&families::rock(20, 3));
     let shapes = round_shapes(&pack);
-    let certified = |[lower, upper]: [f64; 2]| (upper - lower < 1e-12).then_some(0.5 * (lower + upper));
     let mut rng = SplitMix64::new(SEED);
     for tolerance in [1e-3, 1e-5, 1e-8, 0.0] {
         let settings = Settings { tolerance, ..Settings::default() };
@@ -120,7 +133,7 @@ fn gradients_of_curved_shapes_are_exact_for_every_tolerance() {
                 let by = found.derivatives(a, b, b_in_a);
                 apart.add(&by, poses, |poses| {
                     let found = any_shape::distance(a, b, relative(poses), &EXACT, &mut Cache::new());
-                    certified([found.lower, found.upper])
+                    certified(found.lower, found.upper)
                 });
             }
             let mut cache = Cache::new();
@@ -129,17 +142,12 @@ fn gradients_of_curved_shapes_are_exact_for_every_tolerance() {
                 let by = found.derivatives(a, b, b_in_a, &settings, &mut cache);
                 deep.add(&by, poses, |poses| {
                     let found = any_shape::contact(a, b, relative(poses), &EXACT, &mut Cache::new());
-                    certified([found.depth_lower, found.depth_upper])
+                    certified(found.depth_lower, found.depth_upper)
                 });
             }
         }
-        for found in [apart, deep] {
-            let Judged { unique, flagged, judged, worst } = found;
-            println!("tolerance {tolerance}: {unique} unique, {flagged} flagged, {judged} judged, off by {worst:e}");
-            // Rounding errors of the lengths count as 1e-14 of the step's inverse.
-            assert!(worst < 2e-9, "off by {worst:e} with a tolerance of {tolerance}, seed {SEED:#x}");
-            assert!(judged > 400 && flagged * 5 < unique, "{unique} unique, {flagged} flagged, {judged} judged");
-        }
+        // Rounding errors of the lengths count as 1e-14 of the step's inverse.
+        [apart, deep].into_iter().for_each(|found| found.assert(tolerance, 2e-9, 5));
     }
 }
 
@@ -149,7 +157,6 @@ fn times_of_rays_and_casts_at_curved_shapes_have_exact_derivatives() {
     let pack = packs::tree_pack(&families::rock(20, 3));
     let shapes = round_shapes(&pack);
     let exact = CastSettings { tolerance: 0.0, ..CastSettings::default() };
-    let certified = |lower: f64, upper: f64| (upper - lower < 1e-12).then_some(0.5 * (lower + upper));
     let mut rng = SplitMix64::new(SEED + 3);
     for tolerance in [1e-3, 1e-6, 0.0] {
         let settings = CastSettings { tolerance, ..exact };
@@ -186,11 +193,7 @@ fn times_of_rays_and_casts_at_curved_shapes_have_exact_derivatives() {
                 });
             }
         }
-        for Judged { unique, flagged, judged, worst } in [rays, casts] {
-            println!("tolerance {tolerance}: {unique} unique, {flagged} flagged, {judged} judged, off by {worst:e}");
-            assert!(worst < 4e-9, "off by {worst:e} with a tolerance of {tolerance}, seed {SEED:#x}");
-            assert!(judged > 400 && flagged * 20 < unique, "{unique} unique, {flagged} flagged, {judged} judged");
-        }
+        [rays, casts].into_iter().for_each(|found| found.assert(tolerance, 4e-9, 20));
     }
 }
 
@@ -257,25 +260,25 @@ fn times_of_impact_of_bodies_that_turn() {
 
 #[test]
 fn parallel_features_have_no_derivative() {
+    use Differentiability::{Parallel, Touching, Unique};
     let cube: &(dyn Shape + Sync) = &Cuboid::new(DVec3::ONE).unwrap();
-    let status = |b_in_a: Pose| {
-        distance(cube, cube, b_in_a, &Settings::default(), &mut Cache::new()).derivatives(cube, cube, b_in_a).status
-    };
-    assert_eq!(status(moved_to(3.0, 0.2, 0.1)), Differentiability::Parallel);
-    // An edge over a face, across and along.
     let eighth = DQuat::from_rotation_z(std::f64::consts::FRAC_PI_4);
-    assert_eq!(status(Pose::new(DVec3::new(4.0, 0.3, 0.1), eighth).unwrap()), Differentiability::Parallel);
-    // Two parallel edges.
-    assert_eq!(status(moved_to(3.0, 3.0, 0.5)), Differentiability::Parallel);
-    // Crossing edges, two vertices, and a vertex over a face.
     let crossing = DQuat::from_axis_angle(DVec3::new(1.0, 1.0, 0.0).normalize(), 1.0);
-    assert_eq!(status(Pose::new(DVec3::new(3.0, 3.0, 0.1), crossing).unwrap()), Differentiability::Unique);
-    assert_eq!(status(moved_to(3.0, 3.0, 3.0)), Differentiability::Unique);
     let corner = DQuat::from_rotation_arc(DVec3::ONE.normalize(), DVec3::NEG_X);
-    assert_eq!(status(Pose::new(DVec3::new(4.0, 0.1, 0.2), corner).unwrap()), Differentiability::Unique);
-    // Not separated.
-    assert_eq!(status(moved_to(2.0, 0.0, 0.0)), Differentiability::Touching);
-    assert_eq!(status(moved_to(0.5, 0.0, 0.0)), Differentiability::Touching);
+    for (name, at, turn, expected) in [
+        ("two faces", [3.0, 0.2, 0.1], DQuat::IDENTITY, Parallel),
+        ("an edge over a face", [4.0, 0.3, 0.1], eighth, Parallel),
+        ("two parallel edges", [3.0, 3.0, 0.5], DQuat::IDENTITY, Parallel),
+        ("crossing edges", [3.0, 3.0, 0.1], crossing, Unique),
+        ("two vertices", [3.0, 3.0, 3.0], DQuat::IDENTITY, Unique),
+        ("a vertex over a face", [4.0, 0.1, 0.2], corner, Unique),
+        ("touching", [2.0, 0.0, 0.0], DQuat::IDENTITY, Touching),
+        ("overlapping", [0.5, 0.0, 0.0], DQuat::IDENTITY, Touching),
+    ] {
+        let b_in_a = Pose::new(DVec3::from_array(at), turn).unwrap();
+        let found = distance(cube, cube, b_in_a, &Settings::default(), &mut Cache::new());
+        assert_eq!(found.derivatives(cube, cube, b_in_a).status, expected, "{name}");
+    }
 }
 
 #[test]
@@ -319,7 +322,7 @@ fn known_normals_and_features_change_no_status() {
     let (mut rng, mut different) = (SplitMix64::new(SEED + 2), 0);
     for vertices in [8, 16, 30, 100] {
         let points = [0, 1].map(|seed| families::rock(vertices, seed));
-        let packs = points.map(|points| Pack::from_bytes(&packs::tree_bytes(&points)).unwrap());
+        let packs = points.map(|points| packs::tree_pack(&points));
         let [a, b] = packs.each_ref().map(|pack| pack.hull(0).unwrap());
         let (mut hits, mut known, mut unique) = (0, 0, 0);
         for _ in 0..400 {

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::any_shape::{cast_motion, distance};
 use glam::{DQuat, DVec3};
-use hullmap::shapes::{Capsule, Cuboid, Cylinder, Sphere};
+use hullmap::shapes::{Capsule, Cuboid, Sphere};
 use hullmap::{
     Cache, MotionSettings, Pose, RigidMotion, Settings, Shape, Status, SupportMap, SupportPoint, TimeOfImpact,
 };
@@ -39,36 +39,6 @@ fn assert_at(found: &TimeOfImpact, t: f64, width: f64) {
 fn assert_missed(found: &TimeOfImpact) {
     assert!(!found.hit && found.status == Status::Separated, "{found:?}");
     assert_eq!([found.t, found.t_lower, found.t_upper], [f64::INFINITY; 3]);
-}
-
-/// Prisms on one axis: the normal is the axis of rotation, and rotation does not matter.
-#[test]
-fn coaxial_prisms_meet_as_if_they_did_not_turn() {
-    let a = Cuboid::new(DVec3::new(1.0, 1.0, 0.5)).unwrap();
-    let b = Cuboid::new(DVec3::new(0.7, 0.9, 0.25)).unwrap();
-    let c = Cylinder::new(0.25, 0.8).unwrap();
-    for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
-        let turned = DQuat::from_rotation_arc(DVec3::Z, axis);
-        let pose = |height: f64| Pose::new(axis * height, turned).unwrap();
-        for angle in [0.0, 0.3, 2.0, 50.0] {
-            let (spinning, height) = (spin(pose(0.0), axis * angle), 2.0);
-            let falling = RigidMotion::screw(pose(height), axis * -3.0, axis * (-0.7 * angle), DVec3::ZERO).unwrap();
-            let t = (height - 0.75) / 3.0;
-            let found = meet((&a, &spinning), (&b, &falling));
-            assert_at(&found, t, 1e-5);
-            assert!(found.iterations <= 60, "{angle}: {found:?}");
-            // The axis of a cylinder is Y or Z; its pose is not needed if it is a box to us.
-            let upright = Pose::new(axis * height, turned * DQuat::from_rotation_arc(cylinder_axis(&c), DVec3::Z));
-            let falling = RigidMotion::screw(upright.unwrap(), axis * -3.0, axis * angle, DVec3::ZERO).unwrap();
-            assert_at(&meet((&a, &spinning), (&c, &falling)), t, 1e-5);
-        }
-    }
-}
-
-/// The coordinate axis along which the cylinder's half length is 0.25.
-fn cylinder_axis(cylinder: &Cylinder) -> DVec3 {
-    let extent = |axis: DVec3| cylinder.support_point(axis).point.dot(axis);
-    [DVec3::X, DVec3::Y, DVec3::Z].into_iter().find(|axis| (extent(*axis) - 0.25).abs() < 1e-9).unwrap()
 }
 
 /// A needle of length 2 and radius 1e-3 spins about its centre, past a point: its side meets the

@@ -152,26 +152,12 @@ fn half_spaces_meet_the_lowest_vertex() {
     assert!(hits > 60 && misses > 80 && starts > 20, "{hits} hits, {misses} misses, {starts} at the start");
 }
 
-/// The plane itself turns, about an axis in it: like a door that closes on a ball.
+/// Never closer, however often it turns.
 #[test]
-fn a_half_space_turns_into_a_ball() {
+fn a_half_space_that_spins_about_its_normal_meets_nothing() {
     let door = HalfSpace::new(DVec3::Y, 0.0).unwrap();
     let ball: &(dyn Shape + Sync) = &Sphere::new(0.25).unwrap();
     let still = RigidMotion::still(Pose::from_translation(DVec3::new(2.0, 1.5, 0.3)).unwrap());
-    for angle in [0.5, 1.0, 3.0, 6.0, 100.0] {
-        let closing = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Z * angle, DVec3::ZERO).unwrap();
-        let found = cast_motion(&door, &closing, ball, &still, &MotionSettings::default(), &mut Cache::new());
-        // The centre is at a distance of 2.5 from the hinge, at the angle ψ.
-        let t = ((1.5_f64).atan2(2.0) - (0.25_f64 / 2.5).asin()) / angle;
-        if t > 1.0 {
-            assert!(!found.hit, "{angle}: {found:?}");
-        } else {
-            assert_eq!(found.status, Status::Within, "{angle}: {found:?}");
-            assert!(found.t_lower <= t + 1e-14 && t - 1e-14 <= found.t_upper, "{angle}: {t} {found:?}");
-            assert!(found.t_upper - found.t_lower < 1e-5 && found.iterations <= 12, "{angle}: {found:?}");
-        }
-    }
-    // It only spins about its normal: never closer, however often.
     for angle in [0.1, 3.0, 1e4] {
         let spinning = RigidMotion::screw(Pose::IDENTITY, DVec3::ZERO, DVec3::Y * angle, DVec3::X).unwrap();
         let found = cast_motion(&door, &spinning, ball, &still, &settings(20_000), &mut Cache::new());

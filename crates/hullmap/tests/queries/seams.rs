@@ -5,8 +5,8 @@ use glam::{DQuat, DVec3};
 use hullmap::compound::CompoundManifolds;
 use hullmap::manifold::Prediction;
 use hullmap::{Cache, Compound, Hull, Manifold, ManifoldSettings, Pack, Pose};
-use hullmap_bake::{IndexKind, PointSet, SourceRecord};
-use hullmap_testkit::packs::{bytes, point_set};
+use hullmap_testkit::packs::{self, point_set, tree_pack};
+use hullmap_testkit::polytope::{Plane, cut, vertices};
 use shapes::{families::Family, rng::SplitMix64};
 
 const SEED: u64 = 0x5ea3;
@@ -14,72 +14,23 @@ const SEED: u64 = 0x5ea3;
 /// Prediction of the tests; the bodies have a size of 1.
 const PREDICTION: f64 = 0.02;
 
-type Plane = (DVec3, f64);
-
 fn pack(parts: &[Vec<DVec3>]) -> Pack {
     let set =
         |points: &Vec<DVec3>| point_set("part", &points.iter().map(|p| p.as_vec3().to_array()).collect::<Vec<_>>());
-    let sets: Vec<PointSet> = parts.iter().map(set).collect();
-    Pack::from_bytes(&bytes(&sets, IndexKind::Tree, &SourceRecord::default()).unwrap()).unwrap()
-}
-
-/// Vertices of the intersection of half-spaces, by solving all triples of planes.
-fn vertices(planes: &[Plane]) -> Vec<DVec3> {
-    let mut found: Vec<DVec3> = Vec::new();
-    for (i, (n, d)) in planes.iter().enumerate() {
-        for (j, (m, e)) in planes.iter().enumerate().skip(i + 1) {
-            for (o, f) in &planes[j + 1..] {
-                let determinant = n.dot(m.cross(*o));
-                if determinant.abs() < 1e-6 {
-                    continue;
-                }
-                let p = (*d * m.cross(*o) + *e * o.cross(*n) + *f * n.cross(*m)) / determinant;
-                if planes.iter().all(|(n, d)| n.dot(p) <= d + 1e-9) && found.iter().all(|q| q.distance(p) > 1e-6) {
-                    found.push(p);
-                }
-            }
-        }
-    }
-    found
+    packs::parts(&parts.iter().map(set).collect::<Vec<_>>())
 }
 
 /// A solid as planes: a box, or a polytope of random planes.
 fn solid(rng: &mut SplitMix64, is_box: bool) -> Vec<Plane> {
-    if is_box {
-        return DVec3::AXES.into_iter().flat_map(|axis| [(axis, 1.0), (-axis, 1.0)]).collect();
-    }
     let mut planes: Vec<Plane> = DVec3::AXES.into_iter().flat_map(|axis| [(axis, 1.0), (-axis, 1.0)]).collect();
-    planes.extend((0..8).map(|_| (DVec3::from_array(rng.direction()), rng.between(0.8, 1.1))));
+    let more = if is_box { 0 } else { 8 };
+    planes.extend((0..more).map(|_| (DVec3::from_array(rng.direction()), rng.between(0.8, 1.1))));
     planes
-}
-
-/// `count` parts whose union is the solid, cut by random planes. `grow` moves the cuts outwards, so
-/// that the parts overlap; a negative value leaves gaps.
-fn cut(planes: &[Plane], count: usize, grow: f64, rng: &mut SplitMix64) -> Vec<Vec<DVec3>> {
-    let mut parts = vec![planes.to_vec()];
-    while parts.len() < count {
-        let size = |part: &Vec<Plane>| {
-            let found = vertices(part);
-            let far = |p: &DVec3| found.iter().map(|q| p.distance(*q)).fold(0.0, f64::max);
-            found.iter().map(far).fold(0.0, f64::max)
-        };
-        let largest = (0..parts.len()).max_by(|a, b| size(&parts[*a]).total_cmp(&size(&parts[*b]))).unwrap();
-        let part = parts.swap_remove(largest);
-        let found = vertices(&part);
-        let centre = found.iter().sum::<DVec3>() / found.len() as f64;
-        let normal = DVec3::from_array(rng.direction());
-        for normal in [normal, -normal] {
-            parts.push(part.iter().copied().chain([(normal, normal.dot(centre) + grow)]).collect());
-        }
-    }
-    parts.iter().map(|part| vertices(part)).filter(|part| part.len() > 3).collect()
 }
 
 fn bodies() -> Vec<Pack> {
     let scaled = |family: Family, n: usize| {
-        let points: Vec<[f32; 3]> = family.points(n, 1).iter().map(|p| p.map(|c| c * 0.4)).collect();
-        Pack::from_bytes(&bytes(&[point_set("body", &points)], IndexKind::Tree, &SourceRecord::default()).unwrap())
-            .unwrap()
+        tree_pack(&family.points(n, 1).iter().map(|p| p.map(|c| c * 0.4)).collect::<Vec<_>>())
     };
     vec![scaled(Family::Rock, 40), scaled(Family::Prism, 12), scaled(Family::Sphere, 300), scaled(Family::CubeGrid, 27)]
 }
@@ -133,7 +84,7 @@ fn the_parts_of_a_convex_body_have_the_contacts_of_the_whole() {
         let planes = solid(&mut rng, round % 3 == 0);
         let whole = pack(&[vertices(&planes)]);
         let grow = [0.0, 0.05, -1e-6][round / 3 % 3];
-        let parts = pack(&cut(&planes, 12, grow, &mut rng));
+        let parts = pack(&cut(&planes, 12, grow, || DVec3::from_array(rng.direction())));
         let (hull, union) = (whole.hull(0).unwrap(), Compound::new(&parts));
         for body in bodies() {
             let body = body.hull(0).unwrap();

@@ -14,16 +14,6 @@ const SEED: u64 = 0x5eed_0001;
 /// Error of brute force itself, for shapes of about unit size.
 const TRUTH_ERROR: f64 = 1e-13;
 
-/// Signed depth of two solids by brute force: negative if they are separated.
-fn signed_depth(a: &PointCloud, b: &PointCloud, b_in_a: Pose) -> f64 {
-    signed_depth_by_points(&a.points, &b.placed(b_in_a))
-}
-
-/// Distance of two hulls by brute force, if they are separated.
-fn distance_apart(a: &PointCloud, b: &PointCloud, b_in_a: Pose) -> f64 {
-    distance_by_features(&a.points, &b.placed(b_in_a))
-}
-
 /// More iterations only narrow the interval, and it always contains the depth or the distance. The
 /// limit is a status.
 #[test]
@@ -35,10 +25,10 @@ fn more_iterations_narrow_the_interval() {
         let seed = rng.state();
         let (a, b) = (PointCloud::random(&mut rng, 12, true), PointCloud::random(&mut rng, 12, true));
         let pose = rng.pose(1.5);
-        let truth = signed_depth(&a, &b, pose);
+        let truth = signed_depth_by_points(&a.points, &b.placed(pose));
         let limits = [0, 1, 2, 4, 8, 16, 32].map(|limit| Settings { max_iterations: limit, ..Settings::default() });
         if truth <= TRUTH_ERROR {
-            let gap = distance_apart(&a, &b, pose);
+            let gap = distance_by_features(&a.points, &b.placed(pose));
             for settings in &limits[..3] {
                 assert!(!contact(&a, &b, pose, settings, &mut Cache::new()).hit || truth > -TRUTH_ERROR, "pair {i}");
                 let d = distance(&a, &b, pose, settings, &mut Cache::new());

@@ -14,8 +14,7 @@ use hullmap::{
     shapes::{Capsule, Rounded, Sphere},
     signed_distance,
 };
-use hullmap_bake::{IndexKind, SourceRecord};
-use hullmap_testkit::packs::{self, point_set};
+use hullmap_testkit::packs::{parts, point_set};
 use shapes::families::Family;
 
 /// Stack that a query takes beyond [`Scratch::STACK_SIZE`], which is stated for optimised builds.
@@ -42,7 +41,7 @@ fn pack() -> Pack {
         point_set("prism", &Family::Prism.points(500, 1)),
         point_set("rock", &Family::Rock.points(60, 1)),
     ];
-    Pack::from_bytes(&packs::bytes(&sets, IndexKind::Tree, &SourceRecord::default()).unwrap()).unwrap()
+    parts(&sets)
 }
 
 fn poses() -> Vec<Pose> {

@@ -23,58 +23,19 @@ fn all_points(manifolds: &CompoundManifolds) -> Vec<BodyPoint> {
     manifolds.iter().flat_map(of).collect()
 }
 
-/// Area of the convex hull of points in the plane perpendicular to `normal`, by the widths of all
-/// triangles: the sum over the edges of the hull, each found by brute force.
-fn area(points: &[BodyPoint], normal: DVec3) -> f64 {
-    let (x, y) = normal.any_orthonormal_pair();
-    let mut places: Vec<DVec2> =
-        points.iter().map(|p| DVec2::new(x.dot(p.point.point_b), y.dot(p.point.point_b))).collect();
-    places.sort_by(|p, q| p.to_array().partial_cmp(&q.to_array()).unwrap());
-    places.dedup();
-    let mut area = 0.0;
-    for p in &places {
-        for q in &places {
-            // An edge of the hull: all others are to the left of it, or on it between both.
-            let is_edge = |r: &DVec2| {
-                let side = (*q - *p).perp_dot(*r - *p);
-                side > 0.0 || side == 0.0 && (*r - *p).dot(*r - *q) <= 0.0
-            };
-            if p != q && places.iter().all(is_edge) {
-                area += 0.5 * (*p - places[0]).perp_dot(*q - places[0]);
-            }
-        }
-    }
-    area
-}
-
-/// Checks the chosen points against all points. Returns whether there is one group, and then the
-/// share of the area.
-fn judge(body: &BodyManifold, manifolds: &CompoundManifolds, what: &str) -> Option<f64> {
+/// Checks the chosen points against all points: none is there twice, and every direction has one.
+fn judge(body: &BodyManifold, manifolds: &CompoundManifolds, what: &str) {
     let (chosen, all) = (body.points(), all_points(manifolds));
-    assert_eq!(chosen.is_empty(), all.is_empty(), "{what}");
-    assert!(chosen.len() <= MAX_BODY_POINTS, "{what}");
     for (rank, point) in chosen.iter().enumerate() {
-        let is_same = |other: &&BodyPoint| {
-            let places =
-                |p: &BodyPoint| (p.pair, p.normal, p.point.id, p.point.point_a, p.point.point_b, p.point.depth);
-            places(other) == places(point)
-        };
+        let is_same = |other: &&BodyPoint| (other.pair, other.point.id) == (point.pair, point.point.id);
         assert_eq!(all.iter().filter(is_same).count(), 1, "{what}: a point is not one of the manifolds");
-        assert_eq!(chosen[..rank].iter().filter(|other| is_same(other)).count(), 0, "{what}: a point is there twice");
+        assert_eq!(chosen[..rank].iter().filter(is_same).count(), 0, "{what}: a point is there twice");
     }
-    let deepest = |points: &[BodyPoint]| points.iter().map(|p| p.point.depth).fold(f64::NEG_INFINITY, f64::max);
-    // Bodies have radii of at most 3.
-    assert!(deepest(chosen) >= deepest(&all) - 3e-4, "{what}: the deepest point is missing");
-    let first = chosen.first()?;
     // Every point's normal is near the normal of a deeper point of its group, up to doubled angles:
     // 80 degrees, if there are many directions.
     for point in &all {
         assert!(chosen.iter().any(|p| p.normal.dot(point.normal) > 0.17), "{what}: a direction has no point");
     }
-    let is_one_group = all.iter().all(|p| p.normal.dot(first.normal) > SAME_NORMAL + 1e-9);
-    let whole = area(&all, first.normal);
-    let longest = all.iter().map(|p| p.point.point_b.distance(first.point.point_b)).fold(0.0, f64::max);
-    (is_one_group && whole > 1e-3 * longest * longest).then(|| area(chosen, first.normal) / whole)
 }
 
 /// A body of up to 40 vertices that is flat and wide, near the plane z = 0.
@@ -87,15 +48,16 @@ fn plate(rng: &mut SplitMix64) -> (Pack, Pose) {
     (tree_pack(&points), Pose::new(at, tilt).unwrap())
 }
 
+/// `hullmap_tests::sheets` judges depths and areas.
 #[test]
-fn the_deepest_point_and_the_area_are_kept() {
+fn every_direction_of_many_triangles_has_a_point() {
     println!("seed {SEED}");
     let mut rng = SplitMix64::new(SEED);
     let mut meshes = meshes(&mut rng);
     // Barely rough: many triangles in one group.
     meshes.push(grid(40, |_, _| 0.004 * rng.unit()));
     let settings = ManifoldSettings::default();
-    let (mut worst, mut shares, mut reduced, mut many, mut touching) = (f64::INFINITY, 0, 0, 0, 0);
+    let (mut many, mut touching) = (0, 0);
     for round in 0..2000 {
         let mesh = &meshes[round % meshes.len()];
         let (pack, pose) = if round % 2 == 0 { body(&mut rng) } else { plate(&mut rng) };
@@ -108,54 +70,13 @@ fn the_deepest_point_and_the_area_are_kept() {
             let pose = Pose::new(pose.translation() + shift, pose.rotation()).unwrap();
             manifolds.update(mesh, &hull, pose, &settings);
             points.update(&manifolds);
-            let share = judge(&points, &manifolds, &format!("round {round}, frame {frame}"));
+            judge(&points, &manifolds, &format!("round {round}, frame {frame}"));
             touching += usize::from(!manifolds.is_empty());
-            let all = all_points(&manifolds);
-            many += usize::from(all.len() > MAX_BODY_POINTS);
-            if let Some(share) = share {
-                worst = worst.min(share);
-                shares += 1;
-                reduced += usize::from(all.len() > points.points().len());
-            }
+            many += usize::from(all_points(&manifolds).len() > MAX_BODY_POINTS);
         }
     }
-    println!(
-        "{touching} touching, {many} with many points, {shares} in one group, {reduced} reduced; least share {worst}"
-    );
-    assert!(worst >= 0.6, "{worst}");
-    assert!(touching > 400 && many > 150 && shares > 100 && reduced > 20);
-}
-
-/// Round plates over many triangles: their points are corners of all directions.
-#[test]
-fn a_disc_keeps_its_area() {
-    println!("seed {SEED}");
-    let mut rng = SplitMix64::new(SEED);
-    let settings = ManifoldSettings::default();
-    let mut worst: f64 = 1.0;
-    for round in 0..60 {
-        let ground = grid(30, |_, _| 1e-3 * rng.unit());
-        let sides = 8 + round % 40;
-        let ring = |z: f32| {
-            (0..sides).map(move |i| {
-                let angle = i as f32 / sides as f32 * std::f32::consts::TAU;
-                [2.0 * angle.cos(), 1.5 * angle.sin(), z]
-            })
-        };
-        let pack = tree_pack(&ring(-0.1).chain(ring(0.1)).collect::<Vec<_>>());
-        let hull = pack.hull(0).unwrap();
-        let (mut manifolds, mut points) = (CompoundManifolds::new(256), BodyManifold::new(256));
-        for _ in 0..4 {
-            let turn = DQuat::from_rotation_z(rng.between(0.0, 0.1));
-            let pose = Pose::new(DVec3::new(rng.unit(), rng.unit(), 0.1), turn).unwrap();
-            manifolds.update(&ground, &hull, pose, &settings);
-            points.update(&manifolds);
-            assert!(manifolds.len() > 20 && points.points().len() >= 4);
-            worst = worst.min(judge(&points, &manifolds, &format!("round {round}")).unwrap());
-        }
-    }
-    println!("least share {worst}");
-    assert!((0.6..0.95).contains(&worst), "{worst}");
+    println!("{touching} touching, {many} with many points");
+    assert!(touching > 400 && many > 150);
 }
 
 /// A box in a corner touches three sheets.

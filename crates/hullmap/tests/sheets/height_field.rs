@@ -10,20 +10,13 @@ use hullmap::{
     Cache, CastSettings, CompoundManifolds, Contact, EdgeClass, Geometry, HeightField, Hull, ManifoldSettings, Motion,
     MotionSettings, Pack, Pose, Ray, RigidMotion, Settings, Status, TriangleMesh, VertexClass,
 };
-use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
-use hullmap_testkit::packs;
+use hullmap_testkit::packs::{self, height_field as field};
 use hullmap_testkit::ray::{Fraction, Line};
 use shapes::rng::SplitMix64;
 
 use crate::meshes::mesh;
 
 const SEED: u64 = 0xf139;
-
-/// The field with these heights. NaN makes holes.
-pub fn field(layout: Layout, heights: &[f32], holes: &[bool]) -> HeightField {
-    let baked = bake_height_field(&HeightGrid { layout, heights, holes, materials: &[] }).unwrap();
-    HeightField::from_bytes(&write_height_field(baked, &Default::default()).unwrap()).unwrap()
-}
 
 /// A grid centred on the origin, with cells of this size.
 pub fn centred(columns: usize, rows: usize, spacing: [f64; 2], diagonal: Diagonal) -> Layout {

@@ -8,4 +8,3 @@ mod meshes;
 mod one_sided;
 mod seams;
 mod surface;
-mod triangle_mesh;

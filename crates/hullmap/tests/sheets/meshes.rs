@@ -3,15 +3,12 @@
 use glam::{DQuat, DVec3};
 use hullmap::shapes::Cuboid;
 use hullmap::{CompoundManifolds, Geometry, ManifoldSettings, Pack, Pose, TriangleMesh};
-use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_testkit::packs;
 use shapes::rng::SplitMix64;
 
 /// A triangle mesh of these vertices, rounded to f32.
 pub fn mesh(positions: &[DVec3], corners: &[[u32; 3]]) -> TriangleMesh {
-    let positions: Vec<[f32; 3]> = positions.iter().map(|p| p.as_vec3().to_array()).collect();
-    let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners, materials: &[] }).unwrap();
-    TriangleMesh::from_bytes(&write_triangle_mesh(baked, &Default::default()).unwrap()).unwrap()
+    packs::triangle_mesh(&positions.iter().map(|p| p.as_vec3().to_array()).collect::<Vec<_>>(), corners)
 }
 
 /// A grid of `cells` by `cells` squares of size 1, centred, each of two triangles, with these

@@ -1,11 +1,9 @@
-//! Sheets that collide on their fronts alone.
+//! Sheets that collide on their fronts alone. `hullmap_tests::sheets::joints` judges rays and casts.
 
 use glam::DVec3;
 use hullmap::compound::OneSided;
-use hullmap::shapes::{Cuboid, Sphere};
-use hullmap::{
-    Cache, CastSettings, CompoundManifolds, ManifoldSettings, Motion, Pose, Ray, Settings, SupportMap, TriangleMesh,
-};
+use hullmap::shapes::Cuboid;
+use hullmap::{Cache, CompoundManifolds, ManifoldSettings, Pose, Settings, SupportMap, TriangleMesh};
 use hullmap_testkit::depth::signed_depth_by_points;
 use shapes::rng::SplitMix64;
 
@@ -75,30 +73,6 @@ fn contacts_are_those_of_the_fronts() {
     }
     println!("{kept} kept, {behind} behind, {from_back} from the back");
     assert!(kept > 500 && behind > 500 && from_back > 10);
-}
-
-/// `hullmap_tests::sheets::joints` judges the rays.
-#[test]
-fn casts_meet_fronts_alone() {
-    println!("seed {SEED}");
-    let mut rng = SplitMix64::new(SEED);
-    let meshes = meshes(&mut rng);
-    let (settings, ball) = (CastSettings::default(), Sphere::new(0.05).unwrap());
-    let (mut hits, mut passed) = (0, 0);
-    for round in 0..3000 {
-        let mesh = &meshes[round % meshes.len()];
-        let origin = 6.0 * DVec3::from_array(rng.direction());
-        let dir = 2.0 * DVec3::from_array(rng.direction()) - origin;
-        let ray = hullmap::ray(&OneSided::new(mesh), &Ray::new(origin, dir).unwrap(), &settings);
-        let (start, motion) = (Pose::from_translation(origin).unwrap(), Motion::new(dir).unwrap());
-        let cast = hullmap::cast(&OneSided::new(mesh), &ball, start, motion, &settings, &mut Cache::new());
-        assert!(!cast.hit || fronts(mesh)[cast.parts[0] as usize].1.dot(dir) < 0.0, "round {round}");
-        assert!(cast.hit || !ray.hit, "round {round}: the ball is wider than the ray");
-        hits += usize::from(ray.hit);
-        passed += usize::from(hullmap::cast(mesh, &ball, start, motion, &settings, &mut Cache::new()).t < cast.t);
-    }
-    println!("{hits} hits, {passed} pass a back");
-    assert!(hits > 400 && passed > 200);
 }
 
 /// A box that sinks through a floor is pushed up until its middle is below, from any depth, and

@@ -351,7 +351,7 @@ mod tests {
     use crate::hull::Hull;
     use crate::pack::Pack;
     use crate::pose::Pose;
-    use crate::support::simd::Instructions;
+    use crate::support::simd::dispatches;
     use crate::vector::unit;
 
     /// Faces and arcs that were ruled out, and the others.
@@ -476,13 +476,11 @@ mod tests {
             let rotation = DQuat::from_array([(); 4].map(|()| rng.between(-1.0, 1.0))).normalize();
             let offset = DVec3::from_array(rng.direction()) * distance;
             let pose = Pose::new(a.interior_point() + offset - rotation * b.interior_point(), rotation).unwrap();
-            for instructions in [Instructions::Portable, Instructions::Avx2] {
-                if let Some(dispatch) = Dispatch::detect(instructions) {
-                    match a.vertex_count().max(b.vertex_count()) {
-                        0..=8 => check::<1, 2>([&a, &b], pose, dispatch, &mut seen),
-                        9..=16 => check::<2, 4>([&a, &b], pose, dispatch, &mut seen),
-                        _ => check::<4, 8>([&a, &b], pose, dispatch, &mut seen),
-                    }
+            for dispatch in dispatches() {
+                match a.vertex_count().max(b.vertex_count()) {
+                    0..=8 => check::<1, 2>([&a, &b], pose, dispatch, &mut seen),
+                    9..=16 => check::<2, 4>([&a, &b], pose, dispatch, &mut seen),
+                    _ => check::<4, 8>([&a, &b], pose, dispatch, &mut seen),
                 }
             }
         }

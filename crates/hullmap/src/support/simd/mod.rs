@@ -182,6 +182,12 @@ fn portable_pass(pass: &mut impl Pass) {
     pass.run(Portable);
 }
 
+/// Every instruction set of this processor.
+#[cfg(test)]
+pub(crate) fn dispatches() -> impl Iterator<Item = Dispatch> {
+    [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::detect)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -252,7 +258,7 @@ mod tests {
         let less = (0..LANES).filter(|i| *i == 3 || points[0].0[0][*i] < THRESHOLD).map(|i| 1 << i).sum();
         seen[0] += near.len() as u32;
         seen[1] += u32::count_ones(less);
-        for dispatch in [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::detect) {
+        for dispatch in dispatches() {
             let mut all = Operations {
                 points: &points,
                 faces: &faces,
@@ -314,7 +320,7 @@ mod tests {
                 }
                 let flat = values.as_flattened();
                 let expected = (0..flat.len()).fold(0, |best, at| if flat[at] < flat[best] { at } else { best });
-                for dispatch in [Instructions::Portable, Instructions::Avx2].into_iter().filter_map(Dispatch::detect) {
+                for dispatch in dispatches() {
                     assert_eq!(dispatch.argmin(&values), expected, "{:?} {values:?}", dispatch.instructions());
                 }
             }
