@@ -24,18 +24,6 @@ const MAX_SHEAR: f64 = 1e-4;
 ///
 /// The translation is in A's frame and units, finite and within [`MAX_TRANSLATION`]. The rotation
 /// has unit length. There is no scale: see [`Scaled`](crate::shapes::Scaled) for scaled shapes.
-///
-/// # Examples
-/// ```
-/// use hullmap::Pose;
-/// use hullmap::glam::{DQuat, DVec3};
-///
-/// let floor_in_world = Pose::from_translation(DVec3::new(0.0, 0.0, -1.0))?;
-/// let crate_in_world = Pose::new(DVec3::new(2.0, 0.0, 0.5), DQuat::from_rotation_z(0.3))?;
-/// let crate_in_floor = Pose::relative(floor_in_world, crate_in_world)?;
-/// assert_eq!(crate_in_floor.translation(), DVec3::new(2.0, 0.0, 1.5));
-/// # Ok::<(), hullmap::PoseError>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     rotation: DQuat,

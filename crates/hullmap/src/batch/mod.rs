@@ -74,23 +74,6 @@ pub struct BatchError {
 /// # Complexity
 /// The sum over the single queries, divided among the threads. No allocation. On thousands of
 /// different hulls, half of the time of single queries or less.
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack: hullmap::Pack = pack();
-/// use hullmap::batch::{self, SupportQuery};
-/// use hullmap::{SupportPoint, glam::DVec3};
-///
-/// let hulls: Vec<hullmap::Hull> = pack.hulls().collect();
-/// let queries: Vec<_> = hulls.iter().map(|shape| SupportQuery { shape, dir: DVec3::new(1.0, 2.0, 3.0) }).collect();
-/// let mut found = vec![SupportPoint { point: DVec3::ZERO, feature: 0 }; hulls.len()];
-/// batch::support_points(&queries, &mut found)?;
-/// assert_eq!(found[1].point, DVec3::ONE);
-/// # Ok(())
-/// # }
-/// ```
 pub fn support_points<S>(queries: &[SupportQuery<'_, S>], out: &mut [SupportPoint]) -> Result<(), BatchError>
 where
     S: Shape + Sync + ?Sized,
@@ -122,29 +105,6 @@ where
 ///
 /// # Complexity
 /// The sum over the single queries, divided among the threads. No allocation per pair.
-///
-/// # Examples
-/// ```
-/// use hullmap::batch::{self, Pair};
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::{Cuboid, Sphere};
-/// use hullmap::{Cache, Contact, Pose, Settings, Shape};
-///
-/// let (ball, cube) = (Sphere::new(1.0)?, Cuboid::new(DVec3::ONE)?);
-/// let shapes: [&(dyn Shape + Sync); 2] = [&ball, &cube];
-/// let pairs: Vec<Pair<dyn Shape + Sync, dyn Shape + Sync>> = (0..100)
-///     .map(|i| {
-///         let x = 0.04 * f64::from(i);
-///         let b_in_a = Pose::from_translation(DVec3::new(x, 0.0, 0.0)).expect("finite");
-///         Pair { a: shapes[i as usize % 2], b: &ball as &(dyn Shape + Sync), b_in_a }
-///     })
-///     .collect();
-/// let mut caches = vec![Cache::new(); pairs.len()];
-/// let mut contacts = vec![Contact::default(); pairs.len()];
-/// batch::contact(&pairs, &Settings::default(), &mut caches, &mut contacts)?;
-/// assert!((contacts[20].depth - 1.2).abs() < 1e-9);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 pub fn contact<A, B>(
     pairs: &[Pair<'_, A, B>],
     settings: &Settings,
@@ -208,24 +168,6 @@ where
 ///
 /// # Complexity
 /// The sum over the single updates, divided among the threads. No allocation per pair.
-///
-/// # Examples
-/// ```
-/// use hullmap::batch::{self, Pair};
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Sphere;
-/// use hullmap::{Cache, Manifold, ManifoldSettings, Pose};
-///
-/// let ball = Sphere::new(1.0)?;
-/// let at = |x| Pose::from_translation(DVec3::new(x, 0.0, 0.0));
-/// let pairs = [at(1.5)?, at(3.0)?].map(|b_in_a| Pair { a: &ball, b: &ball, b_in_a });
-/// let mut caches = vec![Cache::new(); pairs.len()];
-/// let mut manifolds = vec![Manifold::new(); pairs.len()];
-/// batch::manifolds(&pairs, &ManifoldSettings::default(), &mut caches, &mut manifolds)?;
-/// assert_eq!(manifolds[0].points().len(), 1);
-/// assert!(manifolds[1].points().is_empty());
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 pub fn manifolds<A, B>(
     pairs: &[Pair<'_, A, B>],
     settings: &ManifoldSettings,

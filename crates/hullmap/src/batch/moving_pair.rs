@@ -38,27 +38,6 @@ impl<A: ?Sized, B: ?Sized> Copy for MovingPair<'_, A, B> {}
 ///
 /// # Complexity
 /// The sum over the single queries, divided among the threads. No allocation per pair.
-///
-/// # Examples
-/// ```
-/// use hullmap::batch::{self, MovingPair};
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Sphere;
-/// use hullmap::{Cache, ClearSettings, Clearance, Pose, RigidMotion, Verdict};
-///
-/// let ball = Sphere::new(1.0)?;
-/// let at = |x, y| Pose::from_translation(DVec3::new(x, y, 0.0));
-/// let still = RigidMotion::still(Pose::IDENTITY);
-/// let mut pairs = Vec::new();
-/// for end in [-5.0, 5.0] {
-///     let motion_b = RigidMotion::between(at(-5.0, 3.0)?, at(5.0, end)?)?;
-///     pairs.push(MovingPair { a: &ball, motion_a: still, b: &ball, motion_b });
-/// }
-/// let (mut caches, mut found) = (vec![Cache::new(); 2], vec![Clearance::default(); 2]);
-/// batch::clear(&pairs, &ClearSettings::default(), &mut caches, &mut found)?;
-/// assert_eq!([found[0].verdict, found[1].verdict], [Verdict::Hit, Verdict::Free]);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 pub fn clear<A, B>(
     pairs: &[MovingPair<'_, A, B>],
     settings: &ClearSettings,

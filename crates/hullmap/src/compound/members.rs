@@ -5,23 +5,6 @@ use crate::hull::{Hull, MassProperties};
 use crate::pack::Pack;
 
 /// The union of the hulls of a pack, or a single hull. A cheap copy: it borrows the pack.
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_cubes();
-/// use hullmap::Compound;
-///
-/// let both = Compound::new(&pack);
-/// assert_eq!(both.hull_count(), 2);
-/// let right = both.hull(1).ok_or("no such hull")?;
-/// assert_eq!(right.bounds()[0].x, 3.0);
-/// assert_eq!(Compound::from(right).hull_count(), 1);
-/// assert!(both.hull(2).is_none());
-/// # Ok(())
-/// # }
-/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Compound<'a> {
     members: Members<'a>,

@@ -145,37 +145,6 @@ pub struct Side<'s, S: ?Sized> {
 /// # Complexity
 /// One descent of the union's BVH for the first point, and a support query for each part whose box
 /// is near it. A replacement costs at most 128 support queries and 8 manifolds. No allocation.
-///
-/// # Examples
-/// Two cubes side by side, and a small box that has sunk 1 mm into the left one, 0.5 mm from the
-/// seam. The shortest way out of the right one is sideways:
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/tiles.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_tiles();
-/// use hullmap::compound::seams::{self, Side};
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Cuboid;
-/// use hullmap::{Cache, Compound, Manifold, ManifoldSettings, Pose};
-///
-/// // Unit cubes at x from −1 to 0 and from 0 to 1, below z = 0.
-/// let tiles = Compound::new(&pack);
-/// let right = tiles.hull(1).ok_or("no such hull")?;
-/// let die = Cuboid::new(DVec3::splat(0.1))?;
-/// let b_in_a = Pose::from_translation(DVec3::new(-0.0995, 0.0, 0.099))?;
-///
-/// let (mut manifold, settings) = (Manifold::new(), ManifoldSettings::default());
-/// manifold.update(&right, &die, b_in_a, &settings, &mut Cache::new());
-/// assert!(manifold.normal().x < -0.99);
-///
-/// let union = seams::union_of(&tiles);
-/// let a = Side { shape: &right, union: Some((&union, 1, Pose::IDENTITY)) };
-/// let b = Side { shape: &die, union: None };
-/// assert!(seams::weld(&mut manifold, &Manifold::new(), &a, &b, b_in_a, &settings));
-/// assert!(manifold.normal().z > 0.99);
-/// # Ok(())
-/// # }
-/// ```
 pub fn weld<A: Shape + ?Sized, B: Shape + ?Sized>(
     manifold: &mut Manifold,
     before: &Manifold,

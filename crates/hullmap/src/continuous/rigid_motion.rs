@@ -12,23 +12,6 @@ const SMALLEST_TURN: f64 = 1e-160;
 
 /// A rigid motion of a shape over the times 0 to 1, in a common frame: a point moves at constant
 /// velocity, and the shape turns about this point at constant angular velocity.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::{DQuat, DVec3};
-/// use hullmap::{Pose, RigidMotion};
-///
-/// // A door: a quarter of a turn about its hinge.
-/// let door = Pose::from_translation(DVec3::new(0.5, 0.0, 0.0))?;
-/// let quarter = DVec3::Z * std::f64::consts::FRAC_PI_2;
-/// let swing = RigidMotion::screw(door, DVec3::ZERO, quarter, DVec3::ZERO)?;
-/// assert!(swing.pose_at(1.0).translation().distance(DVec3::new(0.0, 0.5, 0.0)) < 1e-15);
-///
-/// // The same end, but the centre of the door moves along a straight line.
-/// let straight = RigidMotion::between(door, swing.pose_at(1.0))?;
-/// assert!(straight.pose_at(0.5).translation().distance(DVec3::new(0.25, 0.25, 0.0)) < 1e-15);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidMotion {
     rotation: DQuat,

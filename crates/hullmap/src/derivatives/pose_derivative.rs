@@ -109,22 +109,6 @@ impl Derivatives {
     }
 
     /// The same in a common frame, in which A is at `a_in_world`.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::glam::{DQuat, DVec3};
-    /// use hullmap::shapes::Sphere;
-    /// use hullmap::{Cache, Pose, Settings, distance};
-    /// use std::f64::consts::FRAC_PI_2;
-    ///
-    /// // A's x is the world's y.
-    /// let a_in_world = Pose::new(DVec3::ONE, DQuat::from_rotation_z(FRAC_PI_2))?;
-    /// let (ball, b_in_a) = (Sphere::new(1.0)?, Pose::from_translation(DVec3::X * 3.0)?);
-    /// let gap = distance(&ball, &ball, b_in_a, &Settings::default(), &mut Cache::new());
-    /// let by = gap.derivatives(&ball, &ball, b_in_a).in_world(a_in_world);
-    /// assert!(by.by_b.linear.distance(DVec3::Y) < 1e-12);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     #[must_use]
     pub fn in_world(&self, a_in_world: Pose) -> Self {
         Self { by_a: self.by_a.rotated(&a_in_world), by_b: self.by_b.rotated(&a_in_world), ..*self }

@@ -204,25 +204,6 @@ impl Distance {
     ///
     /// # Complexity
     /// The cost of [`derivatives`](Self::derivatives), and up to 22 support queries. No allocation.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::glam::DVec3;
-    /// use hullmap::shapes::{Cuboid, Sphere};
-    /// use hullmap::{Cache, Differentiability, Pose, Settings, distance};
-    ///
-    /// // A ball of radius 1/2 before the edge of a cube, in the direction (1, 1, 0).
-    /// let (cube, ball) = (Cuboid::new(DVec3::ONE)?, Sphere::new(0.5)?);
-    /// let b_in_a = Pose::from_translation(DVec3::new(2.0, 2.0, 0.25))?;
-    /// let gap = distance(&cube, &ball, b_in_a, &Settings::default(), &mut Cache::new());
-    /// let by = gap.witness_derivatives(&cube, &ball, b_in_a);
-    /// assert_eq!(by.status, Differentiability::Unique);
-    /// // If the ball moves along the edge, both points do.
-    /// assert!((by.by_b.point_a[2][2] - 1.0).abs() < 1e-9 && (by.by_b.point_b[2][2] - 1.0).abs() < 1e-9);
-    /// // If it moves along x, the normal turns by half of that: its x component by 1/√8.
-    /// assert!((by.by_b.normal[0][0] - 0.5 / 2_f64.sqrt()).abs() < 1e-9);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn witness_derivatives<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         &self,
         a: &A,

@@ -27,23 +27,6 @@ use crate::support::{Bounds, FeaturePoint, LevelEdges, Lookup, SupportMap, Suppo
 /// Two geometries of any kind. Queries of what is inside have the answers of queries of the two
 /// [`SharedGeometry`], bit by bit, in a fifth of the code. They take longer: each support query is
 /// a call of a function that the compiler does not know.
-///
-/// # Examples
-/// ```
-/// use hullmap::geometry::AnyPair;
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Sphere;
-/// use hullmap::{Cache, Pose, Settings, SharedGeometry, distance};
-///
-/// let ball = SharedGeometry::from_shape(Sphere::new(0.5)?);
-/// let (at, settings) = (Pose::from_translation(DVec3::new(3.0, 0.0, 0.0))?, Settings::default());
-/// let gap = match AnyPair::new(&ball, &ball) {
-///     AnyPair::Shapes(a, b) => distance(&a, &b, at, &settings, &mut Cache::new()),
-///     AnyPair::Parts(a, b) => distance(&a, &b, at, &settings, &mut Cache::new()),
-/// };
-/// assert!((gap.distance - 2.0).abs() < 1e-12);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 pub enum AnyPair<'g> {
     /// Two convex shapes.
     Shapes(AnyShape<'g>, AnyShape<'g>),

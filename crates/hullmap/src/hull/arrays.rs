@@ -38,20 +38,6 @@ impl<'a> Hull<'a> {
     ///
     /// # Complexity
     /// O(1), no allocation.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// if let Some(arrays) = cube.arrays() {
-    ///     assert_eq!((arrays.vertices.len(), arrays.face_starts.len()), (8, 6));
-    ///     let first = &arrays.face_vertices[..arrays.face_starts[1] as usize];
-    ///     assert!(first.iter().copied().eq(cube.face(0)));
-    /// }
-    /// # }
-    /// ```
     pub fn arrays(&self) -> Option<HullArrays<'a>> {
         Some(HullArrays {
             vertices: native(self.vertices)?,

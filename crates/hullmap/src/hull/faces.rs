@@ -18,16 +18,6 @@ impl<'a> Hull<'a> {
 
     /// Vertex indices of all faces. The vertices of a face are in counter-clockwise order, seen
     /// from outside.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// assert!(cube.faces().all(|face| face.len() == 4));
-    /// # }
-    /// ```
     pub fn faces(&self) -> impl Iterator<Item = impl ExactSizeIterator<Item = u32> + 'a> + 'a {
         let (starts, vertices) = (self.face_starts, self.face_vertices);
         starts.iter().enumerate().map(move |(face, start)| {

@@ -40,18 +40,6 @@ pub use support_mapping::SupportVertex;
 ///
 /// Points, directions and lengths are in the hull's local frame: the frame and units of the source
 /// mesh. [`SharedHull`] is a hull without a lifetime.
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-/// # fn main() {
-/// # let pack: hullmap::Pack = pack();
-/// let cube = pack.hull_named("cube").expect("the pack has a cube");
-/// assert_eq!((cube.face_count(), cube.face(0).len()), (6, 4));
-/// // One neighbour along each axis.
-/// assert_eq!(cube.neighbours(0).collect::<Vec<_>>(), [1, 2, 4]);
-/// # }
-/// ```
 #[derive(Clone, Copy, Debug)]
 // The fields that a query reads first fill the first two cache lines, so that a query on a hull
 // that is in no cache does not wait for the record, too.

@@ -45,20 +45,6 @@ impl Hull<'_> {
     ///
     /// # Reference
     /// Kenwright, "Generic Convex Collision Detection using Support Mapping", 4.2, 4.8 and 4.9.
-    ///
-    /// # Examples
-    /// ```
-    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/rock.rs"));
-    /// # fn main() {
-    /// # let pack: hullmap::Pack = pack();
-    /// use hullmap::glam::Vec3;
-    ///
-    /// let cube = pack.hull_named("cube").expect("the pack has a cube");
-    /// let corner = cube.support(Vec3::new(1.0, 2.0, -3.0));
-    /// assert_eq!(corner.point, Vec3::new(1.0, 1.0, -1.0));
-    /// assert_eq!(cube.vertex(corner.index), Some(corner.point));
-    /// # }
-    /// ```
     #[inline]
     pub fn support(&self, dir: Vec3) -> SupportVertex {
         let (index, point) = self.index.support(dir.to_array());

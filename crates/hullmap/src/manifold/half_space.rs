@@ -29,26 +29,6 @@ impl Manifold {
     ///
     /// # Complexity
     /// One support query and one feature of `b`. No allocation.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::glam::DVec3;
-    /// use hullmap::shapes::{Cuboid, HalfSpace};
-    /// use hullmap::{Manifold, ManifoldSettings, Pose};
-    ///
-    /// let (floor, cube) = (HalfSpace::new(DVec3::Z, 0.0)?, Cuboid::new(DVec3::ONE)?);
-    /// let mut manifold = Manifold::new();
-    /// for step in 0..3 {
-    ///     let b_in_a = Pose::from_translation(DVec3::new(0.1 * f64::from(step), 0.0, 0.99))?;
-    ///     let contact =
-    ///         manifold.update_half_space(&floor, &cube, b_in_a, &ManifoldSettings::default());
-    ///     assert!((contact.depth - 0.01).abs() < 1e-12);
-    /// }
-    /// // Four corners, the same ones in every step.
-    /// assert_eq!(manifold.points().len(), 4);
-    /// assert!(manifold.points().iter().all(|point| point.age == 2));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn update_half_space<B: Shape + ?Sized>(
         &mut self,
         a: &HalfSpace,

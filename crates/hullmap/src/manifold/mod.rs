@@ -79,34 +79,6 @@ const LEAST_COSINE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 const MOST_AGAIN: u32 = 128;
 
 /// The contact manifold of two shapes: caller-owned memory of one ordered pair (A, B).
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Cuboid;
-/// use hullmap::{Cache, Manifold, ManifoldSettings, Pose};
-///
-/// let floor = Cuboid::new(DVec3::new(5.0, 5.0, 1.0))?;
-/// let crate_ = Cuboid::new(DVec3::splat(0.5))?;
-/// let (mut manifold, mut cache) = (Manifold::new(), Cache::new());
-/// let settings = ManifoldSettings::default();
-/// let resting = Pose::from_translation(DVec3::new(0.0, 0.0, 1.49))?;
-/// manifold.update(&floor, &crate_, resting, &settings, &mut cache);
-/// assert_eq!(manifold.points().len(), 4);
-/// assert_eq!(manifold.normal(), DVec3::Z);
-/// assert!(manifold.points().iter().all(|p| (p.depth - 0.01).abs() < 1e-12 && p.age == 0));
-///
-/// manifold.points_mut()[0].impulse[0] = 3.0;
-/// manifold.points_mut()[0].user_data = 7;
-/// let moved = Pose::from_translation(DVec3::new(0.1, 0.0, 1.495))?;
-/// manifold.update(&floor, &crate_, moved, &settings, &mut cache);
-/// let kept = manifold.points()[0];
-/// assert!(kept.age == 1 && kept.impulse[0] == 3.0 && kept.user_data == 7);
-///
-/// manifold.clear();
-/// assert!(manifold.points().is_empty());
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Manifold {
     points: ArrayVec<ManifoldPoint, MAX_POINTS>,

@@ -63,18 +63,6 @@ pub struct Spot {
 }
 
 /// Indices of up to four spots, each once.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec2;
-/// use hullmap::manifold::select::{Choice, Spot};
-///
-/// let spots = [DVec2::ZERO, DVec2::X, DVec2::Y].map(|at| Spot { at, depth: 0.0 });
-/// let mut choice = Choice::default();
-/// [0, 1, 2, 1].map(|index| choice.push(index));
-/// assert_eq!(choice.indices(), [0, 1, 2]);
-/// assert!(choice.is_below(&spots, DVec2::splat(0.2)) && !choice.is_below(&spots, DVec2::ONE));
-/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Choice {
     indices: [usize; 4],

@@ -8,17 +8,6 @@ use crate::solver::Settings;
 /// a rocking body keeps them.
 ///
 /// NaN and negative values count as 0.
-///
-/// # Examples
-/// ```
-/// use hullmap::ManifoldSettings;
-/// use hullmap::manifold::Prediction;
-///
-/// // A centimetre, in a scene whose unit is the metre.
-/// let settings = ManifoldSettings { prediction: Prediction::Length(0.01), ..Default::default() };
-/// assert_eq!(settings.prediction.length(0.5), 0.01);
-/// assert_eq!(Prediction::default().length(0.5), 0.01);
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Prediction {
     /// A length, in the shapes' units.

@@ -15,28 +15,6 @@ impl Pack {
     ///
     /// # Complexity
     /// O(number of hulls), no allocation.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::{MassSource, Pack};
-    /// use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
-    ///
-    /// // A pyramid with a notch: the hull fills it, the mesh does not.
-    /// let notched = PointSet {
-    ///     positions: vec![[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [1.0, 1.0, 1.0], [0.0, 0.0, 4.0]],
-    ///     source_vertices: (0..5).collect(),
-    ///     triangles: vec![[0, 2, 1], [0, 1, 4], [0, 4, 2], [1, 2, 3], [2, 4, 3], [4, 1, 3]],
-    ///     ..PointSet::default()
-    /// };
-    /// let baked = bake_hull(&notched, IndexKind::Tree)?;
-    /// let pack = Pack::from_bytes(&write_pack(&[baked], &SourceRecord::default())?)?;
-    /// let body = pack.mass_properties(3.0);
-    /// // The tetrahedron of the corner has 4³ / 6, the notch a quarter of it.
-    /// assert!((body.mass - 3.0 * 0.75 * 64.0 / 6.0).abs() < 1e-9);
-    /// assert_eq!(body.source, MassSource::Mesh);
-    /// assert!((pack.hull(0)?.mass_properties(3.0).mass - 3.0 * 64.0 / 6.0).abs() < 1e-9);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn mass_properties(&self, density: f64) -> MassProperties {
         // No index below the count is an error.
         self.mass_properties_of(0..self.hull_count(), density).unwrap_or_default()

@@ -33,29 +33,6 @@ use crate::solver::{Cache, Contact, Settings, queries};
 /// # Reference
 /// Kenwright, Algorithm 1 and Listing 2; van den Bergen 2001 for the depth.
 /// docs/contributors/intervals.md proves the interval.
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_cubes();
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::{Capsule, Sphere};
-/// use hullmap::{Cache, Pose, Settings, contact};
-///
-/// let (capsule, ball) = (Capsule::new(1.0, 0.5)?, Sphere::new(0.25)?);
-/// let b_in_a = Pose::from_translation(DVec3::new(0.6, 0.0, 0.3))?;
-/// let c = contact(&capsule, &ball, b_in_a, &Settings::default(), &mut Cache::new());
-/// assert!(c.hit && (c.depth - 0.15).abs() < 1e-12);
-///
-/// // Two unit cubes, at x from 0 to 1 and from 3 to 4, against a copy.
-/// let b_in_a = Pose::from_translation(DVec3::new(3.25, 0.125, 0.0))?;
-/// let c = contact(&pack, &pack, b_in_a, &Settings::default(), &mut Cache::new());
-/// assert!(c.hit && (c.depth - 0.75).abs() < 1e-9);
-/// assert_eq!(c.parts, [1, 0]);
-/// # Ok(())
-/// # }
-/// ```
 #[inline]
 pub fn contact<A, B>(a: &A, b: &B, b_in_a: Pose, settings: &Settings, cache: &mut Cache) -> Contact
 where

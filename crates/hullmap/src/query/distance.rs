@@ -29,26 +29,6 @@ use crate::solver::{Cache, Distance, Settings, queries};
 /// # Reference
 /// Gilbert, Johnson, Keerthi 1988 (GJK); Kenwright, section 4.6. docs/contributors/intervals.md
 /// proves the interval.
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/doc/cubes.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = two_cubes();
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Sphere;
-/// use hullmap::{Cache, Pose, Settings, distance};
-///
-/// // Two unit cubes, at x from 0 to 1 and from 3 to 4, and a ball between them.
-/// let (cubes, ball) = (pack, Sphere::new(0.5)?);
-/// let b_in_a = Pose::from_translation(DVec3::new(2.25, 0.5, 0.5))?;
-/// let gap = distance(&cubes, &ball, b_in_a, &Settings::default(), &mut Cache::new());
-/// assert!((gap.distance - 0.25).abs() < 1e-12 && gap.lower <= 0.25 && 0.25 <= gap.upper);
-/// assert!(gap.point_a.distance(DVec3::new(3.0, 0.5, 0.5)) < 1e-6);
-/// assert_eq!(gap.parts, [1, 0]); // the right cube
-/// # Ok(())
-/// # }
-/// ```
 #[inline]
 pub fn distance<A, B>(a: &A, b: &B, b_in_a: Pose, settings: &Settings, cache: &mut Cache) -> Distance
 where

@@ -28,20 +28,6 @@ use crate::solver::{Cache, Intersection, queries};
 ///
 /// # Reference
 /// Kenwright, Algorithm 1.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::{DQuat, DVec3};
-/// use hullmap::{Cache, Overlap, Pose, intersects, shapes::Cuboid};
-///
-/// let cube = Cuboid::new(DVec3::ONE)?;
-/// let mut cache = Cache::new();
-/// let near = Pose::new(DVec3::new(1.8, 0.0, 0.0), DQuat::from_rotation_z(0.5))?;
-/// assert_eq!(intersects(&cube, &cube, near, &mut cache).status, Overlap::Overlapping);
-/// let far = Pose::from_translation(DVec3::new(2.5, 0.0, 0.0))?;
-/// assert!(!intersects(&cube, &cube, far, &mut cache).is_hit());
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[inline]
 pub fn intersects<A, B>(a: &A, b: &B, b_in_a: Pose, cache: &mut Cache) -> Intersection
 where

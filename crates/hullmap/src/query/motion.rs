@@ -31,28 +31,6 @@ use crate::solver::{self, Cache, CastSettings, Impact, Motion};
 ///
 /// # Reference
 /// van den Bergen 2004; Snethen, "XenoCollide". docs/contributors/intervals.md proves the interval.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::{DQuat, DVec3};
-/// use hullmap::shapes::{Cuboid, Sphere};
-/// use hullmap::{Cache, CastSettings, Motion, Pose, Status, cast};
-///
-/// let (wall, bullet) = (Cuboid::new(DVec3::new(0.01, 5.0, 5.0))?, Sphere::new(0.02)?);
-/// let start = Pose::new(DVec3::new(-3.03, 0.5, 0.0), DQuat::IDENTITY)?;
-/// // The displacement of one step, which leads through the wall.
-/// let step = Motion::new(DVec3::new(6.0, 0.0, 0.0))?;
-/// let settings = CastSettings { max_t: 1.0, ..CastSettings::default() };
-/// let impact = cast(&wall, &bullet, start, step, &settings, &mut Cache::new());
-/// assert!(impact.hit && (impact.t - 0.5).abs() < 1e-6);
-/// assert!(impact.t_lower <= 0.5 && 0.5 <= impact.t_upper);
-/// assert!(impact.normal.distance(DVec3::NEG_X) < 1e-9); // from the wall to the bullet
-///
-/// let aside = Motion::new(DVec3::new(0.0, 6.0, 0.0))?;
-/// let impact = cast(&wall, &bullet, start, aside, &settings, &mut Cache::new());
-/// assert_eq!(impact.status, Status::Separated);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[inline]
 pub fn cast<A, B>(a: &A, b: &B, b_in_a: Pose, motion: Motion, settings: &CastSettings, cache: &mut Cache) -> Impact
 where

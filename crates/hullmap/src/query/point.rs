@@ -82,23 +82,6 @@ pub fn ray<G: Geometry + ?Sized>(a: &G, ray: &Ray, settings: &CastSettings) -> R
 /// point inside, also the cost of [`contact`](crate::contact()): 20 to 60. Parts: usually one such
 /// query for a point outside, and one for each part whose box contains a point inside. No
 /// allocation.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Cuboid;
-/// use hullmap::{Cache, Settings, signed_distance};
-///
-/// let cube = Cuboid::new(DVec3::ONE)?;
-/// let mut cache = Cache::new();
-/// let outside = signed_distance(&cube, DVec3::new(3.0, 0.0, 0.5), &Settings::default(), &mut cache)?;
-/// assert!((outside.distance - 2.0).abs() < 1e-12);
-/// assert!(outside.point.distance(DVec3::new(1.0, 0.0, 0.5)) < 1e-12);
-///
-/// let inside = signed_distance(&cube, DVec3::new(0.75, 0.0, 0.5), &Settings::default(), &mut cache)?;
-/// assert!((inside.distance + 0.25).abs() < 1e-12 && inside.normal.distance(DVec3::X) < 1e-12);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[inline]
 pub fn signed_distance<G: Geometry + ?Sized>(
     a: &G,

@@ -88,22 +88,6 @@ pub struct Corner {
 /// the corners do.
 ///
 /// [`Shape::reduced_feature_within`]: super::Shape::reduced_feature_within
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::{Corner, Feature};
-///
-/// let mut edge = Feature::new();
-/// edge.push(Corner { point: DVec3::ZERO, vertex: 0 });
-/// edge.push(Corner { point: DVec3::X, vertex: 1 });
-/// for corner in edge.corners_mut() {
-///     corner.point += DVec3::Z;
-/// }
-/// assert_eq!(edge.corners()[1], Corner { point: DVec3::new(1.0, 0.0, 1.0), vertex: 1 });
-/// edge.clear();
-/// assert!(edge.corners().is_empty() && !edge.is_reduced());
-/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Feature {
     corners: ArrayVec<Corner, MAX_CORNERS>,

@@ -261,16 +261,6 @@ impl HalfSpace {
     /// # Errors
     /// [`ShapeError::Normal`] if `normal` is zero or not finite, [`ShapeError::Point`] or
     /// [`ShapeError::Offset`] if the point is not finite or too far from the origin.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::glam::DVec3;
-    /// use hullmap::shapes::HalfSpace;
-    ///
-    /// let wall = HalfSpace::through(DVec3::new(3.0, 7.0, 0.0), DVec3::NEG_X)?;
-    /// assert_eq!((wall.normal(), wall.offset()), (DVec3::NEG_X, -3.0));
-    /// # Ok::<(), hullmap::ShapeError>(())
-    /// ```
     pub fn through(on_plane: DVec3, normal: DVec3) -> Result<Self, ShapeError> {
         let at_origin = Self::new(normal, 0.0)?;
         Self::new(at_origin.normal, at_origin.normal.dot(point("point of the plane", on_plane)?))

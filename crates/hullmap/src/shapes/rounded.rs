@@ -8,19 +8,6 @@ use crate::support::{FeaturePoint, SupportMap, SupportPoint};
 use glam::DVec3;
 
 /// All points within a radius of another shape: its Minkowski sum with a ball.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::{Cuboid, Rounded};
-/// use hullmap::{ShapeError, SupportMap};
-///
-/// let soap = Rounded::new(Cuboid::new(DVec3::ONE)?, 0.25)?;
-/// assert_eq!((soap.shape().half_edges(), soap.radius()), (DVec3::ONE, 0.25));
-/// assert_eq!(soap.convex_radius(), 0.25);
-/// assert_eq!(soap.support_point(DVec3::Z).point.z, 1.25);
-/// # Ok::<(), ShapeError>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rounded<S> {
     shape: S,

@@ -13,19 +13,6 @@ use crate::support::{FeaturePoint, SupportMap, SupportPoint};
 use glam::{DMat3, DVec3};
 
 /// Another shape, scaled along the axes of its frame.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::{Scaled, Sphere};
-/// use hullmap::{ShapeError, SupportMap};
-///
-/// let ellipsoid = Scaled::new(Sphere::new(1.0)?, DVec3::new(1.0, 2.0, 3.0))?;
-/// assert_eq!((ellipsoid.shape().radius(), ellipsoid.scale().z), (1.0, 3.0));
-/// assert_eq!(ellipsoid.support_point(DVec3::Z).point, DVec3::new(0.0, 0.0, 3.0));
-/// assert!(Scaled::new(Sphere::new(1.0)?, DVec3::ZERO).is_err());
-/// # Ok::<(), ShapeError>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scaled<S> {
     shape: S,

@@ -14,21 +14,6 @@ use crate::support::SupportMap;
 ///
 /// For a [`SupportMap`] of your own, `impl Shape for Mine {}` is enough: the default finds the
 /// feature by support queries.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Cuboid;
-/// use hullmap::{Feature, Shape};
-///
-/// let plate = Cuboid::new(DVec3::new(2.0, 2.0, 0.1))?;
-/// let mut feature = Feature::new();
-/// plate.feature(DVec3::Z, &mut feature);
-/// assert_eq!(feature.corners().len(), 4);
-/// plate.feature(DVec3::new(1.0, 0.0, 1.0), &mut feature);
-/// assert_eq!(feature.corners().len(), 2);
-/// # Ok::<(), hullmap::shapes::ShapeError>(())
-/// ```
 pub trait Shape: SupportMap {
     /// Writes the feature that faces `dir` to `out`.
     ///

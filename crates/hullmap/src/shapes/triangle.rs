@@ -13,23 +13,6 @@ use glam::DVec3;
 ///
 /// The corners have the vertex ids 0, 1 and 2. They may be collinear or equal, as meshes have
 /// such triangles; the shape is then a segment or a point.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::shapes::Triangle;
-/// use hullmap::{Feature, Shape, ShapeError, SupportMap};
-///
-/// let triangle = Triangle::new([DVec3::ZERO, DVec3::X, DVec3::Y])?;
-/// assert_eq!(triangle.support_point(DVec3::new(1.0, 2.0, 5.0)).feature, 2);
-/// let mut feature = Feature::new();
-/// triangle.feature(DVec3::NEG_Z, &mut feature);
-/// assert_eq!(feature.corners().len(), 3);
-/// triangle.feature(DVec3::NEG_Y, &mut feature);
-/// assert_eq!(feature.corners().len(), 2);
-/// assert!(matches!(Triangle::new([DVec3::NAN; 3]), Err(ShapeError::Point { .. })));
-/// # Ok::<(), ShapeError>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle {
     corners: [DVec3; 3],

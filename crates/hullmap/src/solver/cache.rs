@@ -178,24 +178,6 @@ impl Cache {
     /// [`contact`](crate::contact()) take one support call; if not, one call more than without it.
     /// [`distance`](crate::distance()), and every query of rounded shapes, starts from the support
     /// points along `dir`.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::glam::DVec3;
-    /// use hullmap::shapes::Cuboid;
-    /// use hullmap::{Cache, Pose, Settings, contact, intersects};
-    ///
-    /// let cube = Cuboid::new(DVec3::ONE)?;
-    /// let b_in_a = Pose::from_translation(DVec3::new(1.5, 2.01, 1.5))?;
-    /// let last = contact(&cube, &cube, b_in_a, &Settings::default(), &mut Cache::new());
-    /// assert!(!last.hit);
-    ///
-    /// let first = intersects(&cube, &cube, b_in_a, &mut Cache::new());
-    /// let mut cache = Cache::from_axis(last.normal);
-    /// let next = intersects(&cube, &cube, b_in_a, &mut cache);
-    /// assert!(first.support_calls > 1 && next.support_calls == 1);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn from_axis(dir: DVec3) -> Self {
         let axis = unit(dir);
         Self { axis, starts_from_axis: axis.is_some(), ..Self::default() }

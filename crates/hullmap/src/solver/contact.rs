@@ -59,18 +59,6 @@ pub(super) fn core_contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 ///
 /// # Complexity
 /// O(faces × vertices) in f32, 8 lanes at a time, and a few support queries. No allocation.
-///
-/// # Examples
-/// ```
-/// use hullmap::glam::DVec3;
-/// use hullmap::{Pose, Settings, shapes::Cuboid, solver::contact_by_facets};
-///
-/// let cube = Cuboid::new(DVec3::ONE)?;
-/// let b_in_a = Pose::from_translation(DVec3::X * 1.5)?;
-/// let found = contact_by_facets(&cube, &cube, b_in_a, &Settings::default()).ok_or("undecided")?;
-/// assert!((found.depth - 0.5).abs() < 1e-12 && found.normal == DVec3::X);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[doc(hidden)]
 pub fn contact_by_facets<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     a: &A,

@@ -53,16 +53,6 @@ impl Intersection {
     ///
     /// Touching and undecided pairs count as hits, so that numerical trouble never reads as "no
     /// collision".
-    ///
-    /// ```
-    /// use hullmap::{Cache, Overlap, Pose, glam::DVec3, intersects, shapes::Cuboid};
-    ///
-    /// let cube = Cuboid::new(DVec3::ONE)?;
-    /// let touching = Pose::from_translation(DVec3::X * 2.0)?;
-    /// let answer = intersects(&cube, &cube, touching, &mut Cache::new());
-    /// assert!(answer.status == Overlap::Touching && answer.is_hit());
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn is_hit(&self) -> bool {
         self.status != Overlap::Separated
     }

@@ -39,15 +39,6 @@ pub(crate) fn checked(what: &'static str, found: DVec3) -> Result<DVec3, VectorE
 ///
 /// The direction need not be of unit length. t is a factor of it: if the direction is a velocity,
 /// t is a time. If the direction is zero, the ray is a point.
-///
-/// # Examples
-/// ```
-/// use hullmap::{Ray, glam::DVec3};
-///
-/// let ray = Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::new(0.0, 0.0, -2.0))?;
-/// assert_eq!(ray.point_at(1.5), DVec3::new(0.0, 0.0, 2.0));
-/// # Ok::<(), hullmap::VectorError>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     origin: DVec3,
@@ -89,17 +80,6 @@ impl Ray {
 ///
 /// Time has the unit that the velocity implies. If the velocity is the displacement of a step, t
 /// goes from 0 to 1 during the step.
-///
-/// # Examples
-/// ```
-/// use hullmap::{Motion, glam::DVec3};
-///
-/// // The relative velocity, if A moves as well.
-/// let (velocity_a, velocity_b) = (DVec3::new(0.0, 0.0, 1.0), DVec3::new(0.0, 0.0, -9.0));
-/// let motion = Motion::new(velocity_b - velocity_a)?;
-/// assert_eq!(motion.velocity(), DVec3::new(0.0, 0.0, -10.0));
-/// # Ok::<(), hullmap::VectorError>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     velocity: DVec3,
@@ -179,14 +159,6 @@ impl Path {
 }
 
 /// Limits and accuracy of [`ray`](crate::ray()) and [`cast`](crate::cast()).
-///
-/// ```
-/// use hullmap::CastSettings;
-///
-/// // One step of a simulation whose motion is the displacement of the step.
-/// let step = CastSettings { max_t: 1.0, ..CastSettings::default() };
-/// assert_eq!(step.tolerance, 1e-6);
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CastSettings {
     /// Maximum t, in the unit of the ray or the motion. A shape that is reached later is not hit.

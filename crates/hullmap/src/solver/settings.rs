@@ -1,13 +1,6 @@
 //! Settings of distance and contact queries: tolerance and iteration limit.
 
 /// Accuracy and effort of [`distance`](crate::distance) and [`contact`](crate::contact).
-///
-/// ```
-/// use hullmap::Settings;
-///
-/// let exact = Settings { tolerance: 0.0, ..Settings::default() };
-/// assert_eq!(exact.max_iterations, Settings::DEFAULT_MAX_ITERATIONS);
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Maximum width of the interval, relative to its upper bound. Dimensionless.

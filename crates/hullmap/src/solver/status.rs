@@ -5,12 +5,6 @@ use crate::fields::words;
 /// How a distance or contact query ended, and thus how narrow its interval is.
 ///
 /// The interval contains the true value whatever the status is.
-///
-/// ```
-/// use hullmap::Status;
-///
-/// assert_eq!(Status::IterationLimit.to_string(), "iteration_limit");
-/// ```
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
@@ -42,12 +36,6 @@ words!(
 );
 
 /// Whether two shapes share a point.
-///
-/// ```
-/// use hullmap::Overlap;
-///
-/// assert_eq!(Overlap::Separated.as_str(), "separated");
-/// ```
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Overlap {

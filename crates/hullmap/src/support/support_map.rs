@@ -311,20 +311,6 @@ pub trait SupportMap {
     ///
     /// # Complexity
     /// Six support queries. No allocation.
-    ///
-    /// # Examples
-    /// ```
-    /// use hullmap::glam::{DQuat, DVec3};
-    /// use hullmap::shapes::Cuboid;
-    /// use hullmap::{Pose, SupportMap};
-    ///
-    /// let plate = Cuboid::new(DVec3::new(2.0, 1.0, 0.0))?;
-    /// let upright = DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2);
-    /// let bounds = plate.bounds_under(Pose::new(DVec3::new(0.0, 0.0, 7.0), upright)?);
-    /// assert!(bounds.max.distance(DVec3::new(0.0, 1.0, 9.0)) < 1e-12);
-    /// assert!(bounds.max.cmpge(DVec3::new(0.0, 1.0, 9.0)).all());
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     fn bounds_under(&self, pose: Pose) -> Bounds {
         let (turn, shift) = (pose.rotation_matrix(), pose.translation());
         let unturn = turn.transpose();
