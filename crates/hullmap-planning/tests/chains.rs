@@ -337,14 +337,10 @@ fn batches_have_the_answers_of_single_queries() {
     let mut edges = vec![Default::default(); 300];
     arm.clear_batch(start, end, &EdgeSettings::default(), &mut edges).unwrap();
     let mut again = edges.clone();
-    let pool = rayon_pool();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     pool.install(|| arm.clear_batch(start, end, &EdgeSettings::default(), &mut again)).unwrap();
     assert_eq!(edges, again);
     assert!(arm.in_collision_batch(&q[1..], 0.0, &mut hits).is_err());
-}
-
-fn rayon_pool() -> rayon::ThreadPool {
-    rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap()
 }
 
 /// Separated parts of an obstacle once counted as a contact of unknown depth.

@@ -61,8 +61,7 @@ fn facts_and_arrays_match_the_pack() {
 #[test]
 fn parts_weigh_as_much_as_their_mesh() {
     let bar = |high: [f32; 3]| {
-        let corners: Vec<[f32; 3]> =
-            (0..8).map(|i| [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { 0.0 } else { high[axis] })).collect();
+        let corners = packs::corners([0.0; 3], high);
         hullmap_bake::bake_hull(&packs::point_set("l", &corners), hullmap_bake::IndexKind::Tree).unwrap()
     };
     let [mut first, mut second] = [bar([2.0, 1.0, 1.0]), bar([1.0, 3.0, 1.0])];
@@ -89,8 +88,7 @@ fn parts_weigh_as_much_as_their_mesh() {
 /// A box that is the only part of its mesh, and a rock that is not a part.
 #[test]
 fn primitives_match_the_pack() {
-    let corner = |i: usize| [i & 1, i >> 1 & 1, i >> 2].map(|bit| bit as f32);
-    let corners: Vec<[f32; 3]> = (0..8).map(corner).map(|[x, y, z]| [x, 2.0 * y, 3.0 * z]).collect();
+    let corners = packs::corners([0.0; 3], [1.0, 2.0, 3.0]);
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let triangles = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     let mesh = hullmap_bake::PointSet { triangles, ..packs::point_set("box", &corners) };

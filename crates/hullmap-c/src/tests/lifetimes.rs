@@ -14,7 +14,7 @@ fn shapes_outlive_their_pack() {
     let shapes = all_shapes(&pack);
     drop(pack);
     assert!(pack_handle.upgrade().is_some());
-    let b_in_a = types::Pose { rotation: DQuat { w: 1.0, ..Default::default() }, ..Default::default() };
+    let b_in_a = IDENTITY;
     let mut contact = types::Contact::default();
     // SAFETY: the pointers are valid.
     let code =

@@ -11,7 +11,7 @@ fn impulses_of_manifold_points_are_kept() {
     // A cuboid on a half-space, and a compound on it.
     for b in [&shapes[5], &shapes[3]] {
         let manifold = manifold();
-        let mut pose = types::Pose { rotation: DQuat { w: 1.0, ..Default::default() }, ..Default::default() };
+        let mut pose = IDENTITY;
         // SAFETY: the pointers are valid, and the points live until the next update.
         unsafe {
             let mut shown = std::mem::zeroed::<types::ManifoldPoints>();

@@ -1,11 +1,11 @@
-//! Triangle meshes and height fields: the bits of the crate for Rust, against every kind of shape.
+//! Triangle meshes and height fields. `pairs` queries them against every kind of shape.
 #![allow(unsafe_code)]
+
+use std::ffi::c_char;
 
 use super::*;
 use crate::exports::{height_field::*, triangle_mesh::*};
 use crate::handles::{HeightField, TriangleMesh};
-use hullmap::Geometry;
-use hullmap::compound::SharedSheet;
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
 use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
@@ -62,34 +62,64 @@ fn triangles_are_those_of_the_file() {
     }
 }
 
-#[test]
-fn wrong_files_are_errors() {
-    let (file, pack) = (mesh_file(2), file());
-    let mut handle = null_mut::<TriangleMesh>();
+/// Damaged files, and files of other kinds with what the message says; then the file as it is, from
+/// a path. Returns the opened file.
+fn judge_files<T>(
+    file: &[u8],
+    other: &[u8],
+    expected: &str,
+    from_memory: unsafe extern "C" fn(*const u8, usize, *mut *mut T) -> Code,
+    open: unsafe extern "C" fn(*const c_char, *mut *mut T) -> Code,
+    free: unsafe extern "C" fn(*mut T),
+) -> Owned<T> {
+    let mut handle = null_mut::<T>();
     // SAFETY: the pointers are valid, or NULL.
     unsafe {
-        let memory = |bytes: &[u8], out| hullmap_triangle_mesh_from_memory(bytes.as_ptr(), bytes.len(), out);
+        let mut memory = |bytes: &[u8]| from_memory(bytes.as_ptr(), bytes.len(), &raw mut handle);
         for cut in (0..file.len()).step_by(17) {
-            assert_eq!(memory(&file[..cut], &raw mut handle), Code::InvalidPack);
-            assert!(handle.is_null());
+            assert_eq!(memory(&file[..cut]), Code::InvalidPack);
         }
-        assert_eq!(memory(&pack, &raw mut handle), Code::InvalidPack);
-        assert!(message().contains("not a hullmap triangle mesh"), "{}", message());
-        assert_eq!(hullmap_triangle_mesh_from_memory(null(), 5, &raw mut handle), Code::Null);
-        assert_eq!(hullmap_triangle_mesh_open(c"no/such/file".as_ptr(), &raw mut handle), Code::Io);
-        let mut shape = null_mut::<Shape>();
-        assert_eq!(hullmap_shape_triangle_mesh(null(), &raw mut shape), Code::Null);
-        hullmap_triangle_mesh_free(null_mut());
+        assert_eq!(memory(other), Code::InvalidPack);
+        assert!(message().contains(expected), "{}", message());
+        assert_eq!(from_memory(null(), 5, &raw mut handle), Code::Null);
+        assert_eq!(open(c"no/such/file".as_ptr(), &raw mut handle), Code::Io);
+        assert!(handle.is_null());
+        free(null_mut());
     }
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("level.hullmesh");
-    std::fs::write(&path, &file).unwrap();
+    let path = folder.path().join("file");
+    std::fs::write(&path, file).unwrap();
     let path = std::ffi::CString::new(path.to_str().unwrap()).unwrap();
     // SAFETY: the pointers are valid.
-    let opened =
-        Owned::new(hullmap_triangle_mesh_free, |out| unsafe { hullmap_triangle_mesh_open(path.as_ptr(), out) });
+    Owned::new(free, |out| unsafe { open(path.as_ptr(), out) })
+}
+
+#[test]
+fn wrong_files_are_errors() {
+    let (mesh, field, pack) = (mesh_file(2), field_file(), file());
+    let opened = judge_files(
+        &mesh,
+        &pack,
+        "not a hullmap triangle mesh",
+        hullmap_triangle_mesh_from_memory,
+        hullmap_triangle_mesh_open,
+        hullmap_triangle_mesh_free,
+    );
     // SAFETY: the pointer is valid.
     assert_eq!(unsafe { hullmap_triangle_mesh_triangle_count(opened.0) }, 8);
+    let opened = judge_files(
+        &field,
+        &mesh,
+        "not a hullmap height field",
+        hullmap_height_field_from_memory,
+        hullmap_height_field_open,
+        hullmap_height_field_free,
+    );
+    // SAFETY: the pointer is valid.
+    assert_eq!(unsafe { hullmap_height_field_triangle_count(opened.0) }, 32);
+    let mut shape = null_mut::<Shape>();
+    // SAFETY: the pointers are valid, or NULL.
+    assert_eq!(unsafe { hullmap_shape_triangle_mesh(null(), &raw mut shape) }, Code::Null);
 }
 
 /// A rough field of four by four cells, of which the last is a hole.
@@ -153,78 +183,22 @@ fn a_field_has_its_grid_triangles_and_ground() {
     }
 }
 
-#[test]
-fn wrong_files_of_fields_are_errors() {
-    let (file, mesh) = (field_file(), mesh_file(2));
-    let mut handle = null_mut::<HeightField>();
-    // SAFETY: the pointers are valid, or NULL.
-    unsafe {
-        let memory = |bytes: &[u8], out| hullmap_height_field_from_memory(bytes.as_ptr(), bytes.len(), out);
-        for cut in (0..file.len()).step_by(17) {
-            assert_eq!(memory(&file[..cut], &raw mut handle), Code::InvalidPack);
-            assert!(handle.is_null());
-        }
-        assert_eq!(memory(&mesh, &raw mut handle), Code::InvalidPack);
-        assert!(message().contains("not a hullmap height field"), "{}", message());
-        hullmap_height_field_free(null_mut());
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("terrain.hullfield");
-    std::fs::write(&path, &file).unwrap();
-    let path = std::ffi::CString::new(path.to_str().unwrap()).unwrap();
-    // SAFETY: the pointers are valid.
-    let opened = Owned::new(hullmap_height_field_free, |out| unsafe { hullmap_height_field_open(path.as_ptr(), out) });
-    // SAFETY: the pointer is valid.
-    assert_eq!(unsafe { hullmap_height_field_triangle_count(opened.0) }, 32);
-}
-
-/// The sheet as A, and as B, against every shape. The handle of its file is freed before its shape
-/// is used.
-#[test]
-fn queries_have_the_same_bits() {
+/// A mesh and a field as shapes, whose own handles are freed, and the same by the crate for Rust.
+pub(super) fn sheets() -> Vec<(Owned<Shape>, SharedGeometry)> {
     let (mesh_file, field_file) = (mesh_file(4), field_file());
-    let ground = {
-        let mesh = open_mesh(&mesh_file);
-        // SAFETY: the pointers are valid.
-        Owned::new(hullmap_shape_free, |out| unsafe { hullmap_shape_triangle_mesh(mesh.0, out) })
+    let (mesh, field) = (open_mesh(&mesh_file), open_field(&field_file));
+    // SAFETY: the pointers are valid.
+    let shapes = unsafe {
+        [
+            Owned::new(hullmap_shape_free, |out| hullmap_shape_triangle_mesh(mesh.0, out)),
+            Owned::new(hullmap_shape_free, |out| hullmap_shape_height_field(field.0, out)),
+        ]
     };
-    compare(&ground, &hullmap::TriangleMesh::from_bytes(&mesh_file).unwrap());
-    let ground = {
-        let field = open_field(&field_file);
-        // SAFETY: the pointers are valid.
-        Owned::new(hullmap_shape_free, |out| unsafe { hullmap_shape_height_field(field.0, out) })
-    };
-    let twin = hullmap::HeightField::from_bytes(&field_file).unwrap();
-    compare(&ground, &twin);
-    compare(&ground, &SharedSheet::Field(std::sync::Arc::new(twin)));
-}
-
-fn compare(ground: &Owned<Shape>, twin: &impl Geometry) {
-    let (pack_file, pack) = (file(), open());
-    let twin_pack = twin_pack(&pack_file);
-    let (settings, mut rng) = (hullmap::Settings::default(), SplitMix64::new(40));
-    let mut hits = [0; 2];
-    for (shape, other) in all_shapes(&pack).iter().zip(&all_twins(&twin_pack)) {
-        for _ in 0..20 {
-            let mut next = || rng.between(-1.0, 1.0);
-            let (at, turn) = (DVec3::new(next(), next(), 0.7 * next()), [next(), next(), next(), next()]);
-            let pose =
-                types::Pose { translation: at, rotation: DQuat { x: turn[0], y: turn[1], z: turn[2], w: turn[3] } };
-            let twin_pose = hullmap::Pose::new(at, DQuat::from_array(turn)).unwrap();
-            let mut found = types::Distance::default();
-            // SAFETY: the pointers are valid.
-            let query = |a: &Owned<Shape>, b: &Owned<Shape>, out: *mut types::Distance| unsafe {
-                hullmap_distance(a.0, b.0, &raw const pose, null(), null_mut(), out)
-            };
-            let expected = hullmap::distance(twin, other, twin_pose, &settings, &mut hullmap::Cache::new());
-            assert_eq!(query(ground, shape, &raw mut found), Code::Ok, "{}", message());
-            same(&found, &expected);
-            hits[usize::from(found.distance == 0.0)] += 1;
-            assert_eq!(query(shape, ground, &raw mut found), Code::Ok, "{}", message());
-        }
-    }
-    println!("separated and overlapping: {hits:?}");
-    assert!(hits.iter().all(|count| *count > 20), "{hits:?}");
+    let twins = [
+        Arc::new(hullmap::TriangleMesh::from_bytes(&mesh_file).unwrap()).into(),
+        Arc::new(hullmap::HeightField::from_bytes(&field_file).unwrap()).into(),
+    ];
+    shapes.into_iter().zip(twins).collect()
 }
 
 #[test]
@@ -235,10 +209,7 @@ fn a_level_carries_a_box_and_has_no_support_points() {
     let half = DVec3 { x: 0.5, y: 0.5, z: 0.5 };
     // SAFETY: the pointers are valid.
     let die = Owned::new(hullmap_shape_free, |out| unsafe { hullmap_shape_cuboid(half, out) });
-    let at = |z: f64| types::Pose {
-        translation: DVec3 { x: 0.2, y: 0.1, z },
-        rotation: DQuat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 },
-    };
+    let at = |z: f64| types::Pose { translation: DVec3 { x: 0.2, y: 0.1, z }, ..IDENTITY };
     let mut hit = types::RayHit::default();
     let mut bounds = types::Bounds::default();
     // SAFETY: the pointers are valid.

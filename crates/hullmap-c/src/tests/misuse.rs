@@ -32,7 +32,7 @@ fn panics_become_errors() {
     let pack = open();
     let shapes = all_shapes(&pack);
     let broken = Shape(SharedGeometry::from_shape(Broken));
-    let pose = types::Pose { rotation: DQuat { w: 1.0, ..Default::default() }, ..Default::default() };
+    let pose = IDENTITY;
     let (warm, manifold) = (cache(), manifold());
     let mut contact = types::Contact::default();
     // SAFETY: the pointers are valid.
@@ -66,7 +66,7 @@ fn handles_in_use_are_busy() {
     let pack = open();
     let shapes = all_shapes(&pack);
     let (warm, manifold) = (cache(), manifold());
-    let b_in_a = types::Pose { rotation: DQuat { w: 1.0, ..Default::default() }, ..Default::default() };
+    let b_in_a = IDENTITY;
     let pairs = [ShapePair { a: shapes[0].0, b: shapes[1].0, b_in_a }; 2];
     let mut contacts = [types::Contact::default(); 2];
     // SAFETY: the pointers are valid.

@@ -29,6 +29,8 @@ use crate::exports::{cache::*, manifold::*, pack::*, pose::*, query::*, shape::*
 use crate::handles::{Cache, Manifold, Pack, Shape};
 use crate::types::{self, Result as Code};
 
+const IDENTITY: types::Pose = types::Pose { translation: DVec3::ZERO, rotation: DQuat::IDENTITY };
+
 /// Two rocks: a pack as a file's bytes.
 fn file() -> Vec<u8> {
     let moved = |seed: u64, by: f32| -> Vec<[f32; 3]> {
