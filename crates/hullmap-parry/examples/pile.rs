@@ -44,34 +44,13 @@ struct Arguments {
     #[arg(long, default_value_t = 15)]
     seconds: usize,
     /// Ways to compare
-    #[arg(long, value_delimiter = ',', default_values_t = [Choice::Parry, Choice::Baked, Choice::Dispatcher])]
-    ways: Vec<Choice>,
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Way::Parry, Way::Shapes, Way::Dispatcher])]
+    ways: Vec<Way>,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum Choice {
-    /// parry's own convex polyhedra
-    Parry,
-    /// Baked hulls, parry's default dispatcher
-    Baked,
-    /// Baked hulls, `HullDispatcher`
-    Dispatcher,
-}
-
-impl Choice {
-    fn way(self) -> Way {
-        match self {
-            Self::Parry => Way::Parry,
-            Self::Baked => Way::Shapes,
-            Self::Dispatcher => Way::Dispatcher,
-        }
-    }
-}
-
-impl std::fmt::Display for Choice {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(self.to_possible_value().expect("no choice is hidden").get_name())
-    }
+/// The name of a way in the table, and on the command line.
+fn name(way: Way) -> String {
+    way.to_possible_value().expect("no way is hidden").get_name().to_owned()
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -83,16 +62,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let vertices = models.iter().map(|model| model.hull.hull().vertex_count()).max().unwrap_or(0);
     println!("{} bodies of up to {vertices} vertices, {} seconds", arguments.bodies, arguments.seconds);
     println!("{:12} {:>15} {:>15} {:>8} {:>6}", "", "falling ms/step", "settled ms/step", "asleep", "lost");
-    for &choice in &arguments.ways {
-        let outcome = pile(&arguments, &models, choice.way());
+    for &way in &arguments.ways {
+        let outcome = pile(&arguments, &models, way);
         let [falling, settled] = [outcome.falling, outcome.settled].map(|time| time.as_secs_f64() * 1e3);
-        println!("{choice:12} {falling:>15.2} {settled:>15.2} {:>8} {:>6}", outcome.asleep, outcome.lost);
+        println!("{:12} {falling:>15.2} {settled:>15.2} {:>8} {:>6}", name(way), outcome.asleep, outcome.lost);
     }
     println!("\na stack of ten prisms with 64 sides, after 10 seconds");
     println!("{:12} {:>15} {:>15} {:>8}", "", "tilt in degrees", "drift in mm", "asleep");
-    for &choice in &arguments.ways {
-        let stack = stand(64, 10, Floor::Cuboid, choice.way(), 10.0);
-        println!("{choice:12} {:>15.2} {:>15.1} {:>8}", stack.tilt_degrees, stack.drift * 1e3, stack.asleep);
+    for &way in &arguments.ways {
+        let stack = stand(64, 10, Floor::Cuboid, way, 10.0);
+        println!("{:12} {:>15.2} {:>15.1} {:>8}", name(way), stack.tilt_degrees, stack.drift * 1e3, stack.asleep);
     }
     Ok(())
 }

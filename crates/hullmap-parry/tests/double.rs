@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use hullmap::glam::{DQuat, DVec3};
 use hullmap::height_field::{Diagonal, Layout};
-use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
 use hullmap_parry::f64::{BakedHull, BakedSurface, HullDispatcher};
 use hullmap_random::SplitMix64;
 use hullmap_testkit::{depth::signed_depth, gap::gap, packs, polytope::Polytope};
@@ -93,9 +92,7 @@ fn surfaces_keep_double_precision() {
     let far = 1e6;
     let layout = Layout { columns: 3, rows: 2, origin: [far, far], spacing: [2.0, 4.0], diagonal: Diagonal::Rising };
     let heights = [0.0, 1.0, 2.0, 0.0, 1.0, 2.0];
-    let grid = HeightGrid { layout, heights: &heights, holes: &[], materials: &[] };
-    let file = write_height_field(bake_height_field(&grid).unwrap(), &Default::default()).unwrap();
-    let ramp = BakedSurface::new(Arc::new(hullmap::HeightField::from_bytes(&file).unwrap()));
+    let ramp = BakedSurface::new(Arc::new(packs::height_field(layout, &heights, &[])));
     let (foot, normal) = (DVec3::new(far + 1.3, far + 2.1, 0.65), DVec3::new(-1.0, 0.0, 2.0).normalize());
 
     let hit = ramp.cast_local_ray_and_get_normal(&Ray::new(foot + DVec3::Z, -DVec3::Z), 9.0, true).unwrap();

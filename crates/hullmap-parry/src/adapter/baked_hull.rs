@@ -13,36 +13,6 @@ use super::parry::shape::SharedShape;
 /// It keeps its pack alive, which clones share. Use it directly, or as a `SharedShape` by `into()`.
 /// Points, directions and lengths are in the local frame: the hull's, multiplied by the
 /// [`scale`](Self::scale).
-///
-/// # Examples
-/// ```
-/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/../hullmap/doc/rock.rs"));
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # let pack = pack();
-/// use std::sync::Arc;
-/// use hullmap_parry::BakedHull;
-/// use parry3d::math::{Pose, Vector};
-/// use parry3d::query::{Ray, RayCast};
-/// use parry3d::shape::{Shape, SharedShape};
-///
-/// let pack: Arc<hullmap::Pack> = Arc::new(pack);
-/// let cube = BakedHull::new(pack.shared_hull_named("cube")?);
-/// assert_eq!(cube.hull().vertex_count(), 8);
-///
-/// let ray = Ray::new(Vector::new(0.2, 0.3, 5.0), -Vector::Z);
-/// let hit = cube.cast_local_ray(&ray, 100.0, true).ok_or("no hit")?;
-/// assert!((hit - 4.0).abs() < 1e-5);
-///
-/// // Twice as high, and mirrored along x.
-/// let tower = cube.scaled(Vector::new(-1.0, 1.0, 2.0))?;
-/// assert_eq!(tower.compute_local_aabb().maxs, Vector::new(1.0, 1.0, 2.0));
-/// assert!((tower.mass_properties(1.0).mass() - 16.0).abs() < 1e-4);
-///
-/// let shape: SharedShape = tower.into();
-/// assert!(shape.as_shape::<BakedHull>().is_some());
-/// # Ok(())
-/// # }
-/// ```
 #[derive(Clone, Debug)]
 pub struct BakedHull {
     form: Form,

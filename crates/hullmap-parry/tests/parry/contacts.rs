@@ -2,6 +2,7 @@
 
 use hullmap::glam::DVec3;
 use hullmap_parry::{BakedSurface, HullDispatcher};
+use hullmap_testkit::packs;
 use parry3d::math::{Pose, Vector};
 use parry3d::query::details::ContactManifoldsWorkspace;
 use parry3d::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
@@ -127,9 +128,7 @@ fn joined_fields_do_not_stop_a_box() {
     let half = |x: f64| BakedSurface::new(field(4, [x, -2.0], |_, _| 0.0));
     let (left, right) = (half(-4.0), half(0.0));
     let both = BakedSurface::joined([(Pose::IDENTITY, left), (Pose::IDENTITY, right.clone())]).unwrap();
-    let die = hull(&[0, 1, 2, 3, 4, 5, 6, 7].map(|i: i32| {
-        [[-0.2, 0.2][(i & 1) as usize], [-0.3, 0.3][(i >> 1 & 1) as usize], [-0.1, 0.1][(i >> 2) as usize]]
-    }));
+    let die = hull(&packs::corners([-0.2, -0.3, -0.1], [0.2, 0.3, 0.1]));
     let (mut joined, mut alone, mut stumbles, mut of_parry) = (PairMemory::default(), PairMemory::default(), 0, 0);
     for step in 0..300 {
         let x = -0.6 + 0.004 * step as f32;
@@ -152,9 +151,7 @@ fn joined_fields_do_not_stop_a_box() {
 #[test]
 fn a_large_body_touches_many_triangles() {
     let surface = BakedSurface::new(field(30, [-15.0; 2], |_, _| 0.0));
-    let slab = hull(&[0, 1, 2, 3, 4, 5, 6, 7].map(|i: i32| {
-        [[-8.2, 8.3][(i & 1) as usize], [-8.1, 8.2][(i >> 1 & 1) as usize], [-0.5, 0.5][(i >> 2) as usize]]
-    }));
+    let slab = hull(&packs::corners([-8.2, -8.1, -0.5], [8.3, 8.2, 0.5]));
     let mut pair = PairMemory::default();
     for step in 0..3 {
         let at = Pose::translation(0.1 * step as f32, 0.0, 0.499);

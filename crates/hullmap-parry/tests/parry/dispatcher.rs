@@ -9,9 +9,7 @@ use hullmap_testkit::gap::gap;
 use hullmap_testkit::polytope::Polytope;
 use parry3d::math::{IVector, Pose, Vector};
 use parry3d::query::details::ShapeCastOptions;
-use parry3d::query::{
-    ClosestPoints, ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, QueryDispatcher,
-};
+use parry3d::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, QueryDispatcher};
 use parry3d::shape::{
     Ball, Capsule, Compound, Cone, Cuboid, Cylinder, HalfSpace, HeightField, RoundCone, RoundCuboid, RoundCylinder,
     RoundTriangle, Segment, Shape, SharedShape, TriMesh, Triangle, Voxels,
@@ -19,6 +17,7 @@ use parry3d::shape::{
 use shapes::families;
 
 use crate::bodies::{hull, pose, wide_pose};
+use crate::judge::{check, time};
 
 /// Every primitive that a hull can meet, about 1 in size, with its name.
 pub fn primitives() -> Vec<(&'static str, SharedShape)> {
@@ -58,24 +57,14 @@ fn two_hulls_agree_with_brute_force() {
         let apart = gap(&solids[0], &placed);
         let overlapping = apart.upper < 1e-9;
         hits += usize::from(overlapping);
-        let contact = HullDispatcher.contact(&pose, &a, &b, 100.0).unwrap().unwrap();
-        let test = HullDispatcher.intersection_test(&pose, &a, &b).unwrap().intersecting;
-        let found = HullDispatcher.distance(&pose, &a, &b).unwrap().distance;
-        assert_eq!(test, overlapping);
         let truth = if overlapping { -signed_depth(&solids[0], &placed, 0.0).0 } else { apart.upper };
-        assert!((f64::from(contact.dist) - truth).abs() < 2e-5, "{} of {truth}", contact.dist);
-        assert!((f64::from(found) - truth.max(0.0)).abs() < 2e-5);
-        // The points are in the shapes' own frames, and differ by the distance along the normal.
-        let between = pose * contact.point2 - contact.point1;
-        assert!((between - contact.normal1 * contact.dist).length() < 1e-4);
-        assert!((pose.rotation * contact.normal2 + contact.normal1).length() < 1e-4);
-        let swapped = HullDispatcher.contact(&pose.inverse(), &b, &a, 100.0).unwrap().unwrap();
-        assert!((swapped.dist - contact.dist).abs() < 1e-4);
+        check("two hulls", &a, &b, &pose, truth, [2e-5, 1e-4]);
+        assert_eq!(HullDispatcher.intersection_test(&pose, &a, &b).unwrap().intersecting, overlapping);
         let theirs = DefaultQueryDispatcher
             .contact(&pose, &a.to_convex_polyhedron().unwrap(), &b.to_convex_polyhedron().unwrap(), 100.0)
             .unwrap()
             .unwrap();
-        assert!(theirs.dist < contact.dist + 1e-3, "{} {}", theirs.dist, contact.dist);
+        assert!(f64::from(theirs.dist) < truth + 1e-3, "{} {truth}", theirs.dist);
     }
     assert!((100..300).contains(&hits), "{hits}");
 }
@@ -92,29 +81,11 @@ fn primitives_agree_with_parry() {
             let pose = pose(&mut rng, distance);
             let theirs = DefaultQueryDispatcher.contact(&pose, &polyhedron, &*shape, 100.0).unwrap().unwrap();
             let ours = HullDispatcher.contact(&pose, &hull, &*shape, 100.0).unwrap().unwrap();
-            let swapped = HullDispatcher.contact(&pose.inverse(), &*shape, &hull, 100.0).unwrap().unwrap();
-            assert!((ours.dist - swapped.dist).abs() < 1e-4, "{name}: {} {}", ours.dist, swapped.dist);
             // parry's depth is along the normal that its polytope ended with; ours is the minimum.
             // On curved surfaces its distance is up to 3e-3 above the truth.
             let slight = if ours.dist < 0.0 { 0.02 } else { 1e-2 };
             assert!((ours.dist - theirs.dist).abs() < slight, "{name}: {} {}", ours.dist, theirs.dist);
-            for (contact, pose) in [(ours, pose), (swapped, pose.inverse())] {
-                let between = pose * contact.point2 - contact.point1;
-                let off = (between - contact.normal1 * contact.dist).length();
-                assert!(off < 5e-3, "{name}: {off} at {}", contact.dist);
-                assert!((pose.rotation * contact.normal2 + contact.normal1).length() < 1e-4, "{name}");
-            }
-            let test = HullDispatcher.intersection_test(&pose, &hull, &*shape).unwrap().intersecting;
-            assert!(test == (ours.dist < 0.0) || ours.dist.abs() < 1e-4, "{name}");
-            let far = HullDispatcher.distance(&pose, &hull, &*shape).unwrap().distance;
-            assert!((far - ours.dist.max(0.0)).abs() < 1e-4, "{name}: {far} {}", ours.dist);
-            match HullDispatcher.closest_points(&pose, &hull, &*shape, 0.5).unwrap() {
-                ClosestPoints::Intersecting => assert!(ours.dist < 1e-4, "{name}"),
-                ClosestPoints::WithinMargin(p1, p2) => {
-                    assert!(((pose * p2 - p1).length() - far).abs() < 1e-4 && far <= 0.5, "{name}");
-                }
-                ClosestPoints::Disjoint => assert!(far > 0.4999, "{name}"),
-            }
+            check(name, &hull, &*shape, &pose, f64::from(ours.dist), [1e-4, 5e-3]);
         }
     }
 }
@@ -201,7 +172,6 @@ fn voxels_are_boxes() {
         let on_slab = HullDispatcher.cast_shapes(&pose, velocity, &slab, &hull, options).unwrap();
         let turned = -(pose.rotation.inverse() * velocity);
         let swapped = HullDispatcher.cast_shapes(&pose.inverse(), turned, &hull, &voxels, options).unwrap();
-        let time = |hit: Option<parry3d::query::ShapeCastHit>| hit.map_or(f32::INFINITY, |hit| hit.time_of_impact);
         let [first, second, third] = [on_voxels, on_slab, swapped].map(time);
         for other in [second, third] {
             assert!(first == other || (first - other).abs() < 1e-4, "{first} {other}");
@@ -310,29 +280,16 @@ fn compounds_answer_as_their_nearest_part() {
         let of_parts = places
             .map(|place| HullDispatcher.contact(&place.inv_mul(&pose), &hull, &rock, 100.0).unwrap().unwrap().dist);
         let nearest = of_parts[0].min(of_parts[1]);
-        let found = HullDispatcher.contact(&pose, &compound, &rock, 100.0).unwrap().unwrap().dist;
-        assert!((found - nearest).abs() < 1e-4, "{found} {nearest}");
-        let distance = HullDispatcher.distance(&pose.inverse(), &rock, &compound).unwrap().distance;
-        assert!((distance - nearest.max(0.0)).abs() < 1e-4);
-        let test = HullDispatcher.intersection_test(&pose, &compound, &rock).unwrap().intersecting;
-        assert!(test == (nearest < 0.0) || nearest.abs() < 1e-4);
-        let closest = HullDispatcher.closest_points(&pose, &compound, &rock, 0.5).unwrap();
-        match closest {
-            ClosestPoints::Intersecting => assert!(nearest < 1e-4),
-            ClosestPoints::WithinMargin(p1, p2) => assert!(((pose * p2 - p1).length() - nearest).abs() < 1e-4),
-            ClosestPoints::Disjoint => assert!(nearest > 0.4999),
-        }
+        check("compound", &compound, &rock, &pose, nearest.into(), [1e-4, 1e-3]);
         // Towards a place between the parts, and beside them.
         let options = ShapeCastOptions { max_time_of_impact: 10.0, ..Default::default() };
         let velocity = (Vector::new(rng.between(-3.0, 3.0) as f32, 0.0, 0.0) - pose.translation) * 0.4;
         let times = places.map(|place| {
             let (from, along) = (place.inv_mul(&pose), place.rotation.inverse() * velocity);
-            let hit = HullDispatcher.cast_shapes(&from, along, &hull, &rock, options).unwrap();
-            hit.map_or(f32::INFINITY, |hit| hit.time_of_impact)
+            time(HullDispatcher.cast_shapes(&from, along, &hull, &rock, options).unwrap())
         });
         let first = times[0].min(times[1]);
-        let whole = HullDispatcher.cast_shapes(&pose, velocity, &compound, &rock, options).unwrap();
-        let found = whole.map_or(f32::INFINITY, |hit| hit.time_of_impact);
+        let found = time(HullDispatcher.cast_shapes(&pose, velocity, &compound, &rock, options).unwrap());
         assert!(found == first || (found - first).abs() < 1e-4, "{found} {first}");
         met += usize::from(first < f32::INFINITY);
     }

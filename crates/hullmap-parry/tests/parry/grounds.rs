@@ -5,18 +5,15 @@ use std::sync::Arc;
 use hullmap::glam::DVec3;
 use hullmap::height_field::{Diagonal, Layout};
 use hullmap::{HeightField, TriangleMesh};
-use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
-use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_parry::BakedSurface;
 use hullmap_random::SplitMix64;
+use hullmap_testkit::packs;
 use parry3d::math::{Pose, Vector};
 
 /// A triangle mesh of these vertices, rounded to f32.
 pub fn mesh(positions: &[DVec3], corners: &[[u32; 3]]) -> Arc<TriangleMesh> {
     let positions: Vec<[f32; 3]> = positions.iter().map(|p| p.as_vec3().to_array()).collect();
-    let materials: Vec<u16> = (0..corners.len() as u16).collect();
-    let baked = bake_triangle_mesh(&Triangles { positions: &positions, corners, materials: &materials }).unwrap();
-    Arc::new(TriangleMesh::from_bytes(&write_triangle_mesh(baked, &Default::default()).unwrap()).unwrap())
+    Arc::new(packs::triangle_mesh(&positions, corners))
 }
 
 /// A height field of `cells` by `cells` squares of size 1, whose least x and y are at `origin`.
@@ -24,8 +21,7 @@ pub fn field(cells: usize, origin: [f64; 2], mut height: impl FnMut(usize, usize
     let row = cells + 1;
     let layout = Layout { columns: row, rows: row, origin, spacing: [1.0; 2], diagonal: Diagonal::Rising };
     let heights: Vec<f32> = (0..row * row).map(|i| height(i % row, i / row)).collect();
-    let baked = bake_height_field(&HeightGrid { layout, heights: &heights, holes: &[], materials: &[] }).unwrap();
-    Arc::new(HeightField::from_bytes(&write_height_field(baked, &Default::default()).unwrap()).unwrap())
+    Arc::new(packs::height_field(layout, &heights, &[]))
 }
 
 /// Triangles at random places within 3.

@@ -12,6 +12,8 @@ mod contacts;
 #[cfg(feature = "dispatcher")]
 mod dispatcher;
 #[cfg(feature = "dispatcher")]
+mod judge;
+#[cfg(feature = "dispatcher")]
 mod motion;
 #[cfg(feature = "dispatcher")]
 mod queries;

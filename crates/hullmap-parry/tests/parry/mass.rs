@@ -7,6 +7,7 @@ use hullmap::{MassSource, Pack};
 use hullmap_bake::fit::mesh_mass;
 use hullmap_bake::{BakedHull as Baked, IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
 use hullmap_parry::{BakedHull, PartMass, compound, objects, union};
+use hullmap_testkit::packs::{corners, point_set};
 use parry3d::mass_properties::MassProperties;
 use parry3d::math::Vector;
 use parry3d::shape::{Shape, TriMesh};
@@ -14,36 +15,21 @@ use parry3d::shape::{Shape, TriMesh};
 /// Largest relative difference: parry computes in f32.
 const ROUNDING: f32 = 1e-4;
 
-fn set(name: &str, positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> PointSet {
-    let source_vertices = (0..positions.len() as u32).collect();
-    PointSet { name: name.to_owned(), positions, source_vertices, triangles, ..PointSet::default() }
-}
-
-/// An L of height 1: 2 by 2 with a corner of 1 by 1 left out.
+/// An L of height 1 and volume 4.
 fn letter_l() -> PointSet {
-    let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
-    let positions = [0.0, 1.0].into_iter().flat_map(|z| outline.map(|[x, y]: [f32; 2]| [x, y, z])).collect();
-    let mut triangles = Vec::new();
-    for [a, b, c] in [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]] {
-        triangles.extend([[c, b, a], [a + 6, b + 6, c + 6]]);
-    }
-    for i in 0..6 {
-        let j = (i + 1) % 6;
-        triangles.extend([[i, j, j + 6], [i, j + 6, i + 6]]);
-    }
-    set("l", positions, triangles)
+    let l = shapes::concave::l();
+    PointSet { triangles: l.fans(), ..point_set("l", &l.vertices) }
 }
 
 fn block(high: [f32; 3]) -> Baked {
-    let corner = |i: usize| [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { 0.0 } else { high[axis] });
-    bake_hull(&set("l", (0..8).map(corner).collect(), Vec::new()), IndexKind::Tree).unwrap()
+    bake_hull(&point_set("l", &corners([0.0; 3], high)), IndexKind::Tree).unwrap()
 }
 
 /// The L as two bars that overlap in its corner, then a cube that is an object of its own.
 fn pack() -> Arc<Pack> {
     let part = |part, baked| Baked { part, part_count: 2, ..baked };
     let first = Baked { mesh_mass: mesh_mass(&letter_l()), ..part(0, block([2.0, 1.0, 1.0])) };
-    let hulls = [first, part(1, block([1.0, 2.0, 1.0])), block([1.0, 1.0, 1.0])];
+    let hulls = [first, part(1, block([1.0, 3.0, 1.0])), block([1.0, 1.0, 1.0])];
     Arc::new(Pack::from_bytes(&write_pack(&hulls, &SourceRecord::default()).unwrap()).unwrap())
 }
 
@@ -73,15 +59,15 @@ fn assert_same(found: &MassProperties, expected: &MassProperties) {
 fn a_compound_of_overlapping_parts_weighs_as_much_as_its_mesh() {
     let pack = pack();
     let body = pack.mass_properties_of(0..2, 7.0).unwrap();
-    assert!((body.mass - 21.0).abs() < 1e-9 && body.source == MassSource::Mesh);
+    assert!((body.mass - 28.0).abs() < 1e-9 && body.source == MassSource::Mesh);
     // The cube has no mesh, so the whole pack is a mixture.
     let all = pack.mass_properties(7.0);
-    assert!((all.mass - 28.0).abs() < 1e-9 && all.source == MassSource::Hulls);
+    assert!((all.mass - 35.0).abs() < 1e-9 && all.source == MassSource::Hulls);
     let found = objects(&pack);
     assert_same(&found[0].shape.mass_properties(7.0), &judge(Vector::ONE, 7.0));
     assert!((found[1].shape.mass_properties(7.0).mass() - 7.0).abs() < 1e-4);
     let whole = compound(&pack).unwrap().mass_properties(7.0);
-    assert!((whole.mass() - 28.0).abs() < 1e-3, "{}", whole.mass());
+    assert!((whole.mass() - 35.0).abs() < 1e-3, "{}", whole.mass());
 }
 
 #[test]
@@ -101,10 +87,10 @@ fn incomplete_bodies_have_the_mass_of_their_hulls() {
     assert_eq!(part(0).part_mass(), PartMass::Hull);
     let mass = |parts: Vec<BakedHull>| union(parts).unwrap().mass_properties(1.0).mass();
     assert!((mass(vec![part(0)]) - 2.0).abs() < 1e-4);
-    assert!((mass(vec![part(1), part(0)]) - 4.0).abs() < 1e-4);
+    assert!((mass(vec![part(1), part(0)]) - 5.0).abs() < 1e-4);
     assert!((mass(vec![part(0), part(2)]) - 3.0).abs() < 1e-4);
-    assert!((mass(vec![part(0), part(1).scaled(Vector::splat(2.0)).unwrap()]) - 18.0).abs() < 1e-3);
-    assert!((mass(vec![part(0), part(1), part(0), part(1)]) - 6.0).abs() < 1e-4, "two bodies");
+    assert!((mass(vec![part(0), part(1).scaled(Vector::splat(2.0)).unwrap()]) - 26.0).abs() < 1e-3);
+    assert!((mass(vec![part(0), part(1), part(0), part(1)]) - 8.0).abs() < 1e-4, "two bodies");
 }
 
 /// A hull of a whole mesh that is not convex.
@@ -112,7 +98,7 @@ fn incomplete_bodies_have_the_mass_of_their_hulls() {
 fn a_single_hull_weighs_as_much_as_its_mesh() {
     let baked = bake_hull(&letter_l(), IndexKind::Tree).unwrap();
     let pack = Arc::new(Pack::from_bytes(&write_pack(&[baked], &SourceRecord::default()).unwrap()).unwrap());
-    assert!((pack.hull(0).unwrap().volume() - 3.5).abs() < 1e-9);
+    assert!((pack.hull(0).unwrap().volume() - 5.0).abs() < 1e-9);
     let hull = BakedHull::new(pack.shared_hull(0).unwrap());
     assert_same(&hull.mass_properties(3.0), &judge(Vector::ONE, 3.0));
     assert_same(&compound(&pack).unwrap().mass_properties(3.0), &judge(Vector::ONE, 3.0));
@@ -132,5 +118,5 @@ fn saved_bodies_keep_their_mass() {
     // A file of an earlier version has no such field.
     let old = text.replace(",\"mass\":\"Mesh\"", "").replace(",\"mass\":\"Nothing\"", "");
     let loaded = serde_json::from_str::<SavedShape>(&old).unwrap().load(&packs).unwrap();
-    assert!((loaded.mass_properties(1.0).mass() - 5.0).abs() < 1e-4);
+    assert!((loaded.mass_properties(1.0).mass() - 6.0).abs() < 1e-4);
 }

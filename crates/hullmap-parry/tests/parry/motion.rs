@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use hullmap::glam::{DQuat, DVec3};
-use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_parry::{BakedHull, BakedSurface, HullDispatcher};
 use hullmap_random::SplitMix64;
 use hullmap_testkit::gap::gap;
@@ -14,7 +13,8 @@ use parry3d::query::{DefaultQueryDispatcher, NonlinearRigidMotion, QueryDispatch
 use parry3d::shape::{Ball, Compound, Cuboid, HalfSpace, Shape, SharedShape};
 use shapes::families;
 
-use crate::bodies::{hull, rotation, wide_pose};
+use crate::bodies::{hull, pose, rotation, wide_pose};
+use crate::judge::time;
 
 /// The window in which shapes are cast.
 const WINDOW: [f32; 2] = [0.25, 1.25];
@@ -24,7 +24,7 @@ fn polytope(points: &[[f32; 3]]) -> Polytope {
 }
 
 fn cuboid_points(half: [f32; 3]) -> Vec<[f32; 3]> {
-    (0..8).map(|i| [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { -half[axis] } else { half[axis] })).collect()
+    packs::corners(half.map(|c| -c), half)
 }
 
 fn cuboid(half: [f32; 3]) -> BakedHull {
@@ -56,7 +56,7 @@ impl Body {
         let (mut parts, mut solids) = (Vec::new(), Vec::new());
         for part in 0..3 {
             let points = families::rock(12, seed + part);
-            let at = Pose::from_parts(DVec3::from_array(rng.direction()).as_vec3(), rotation(&mut rng).as_quat());
+            let at = pose(&mut rng, 1.0);
             solids.push(polytope(&points).placed(wide_pose(&at)));
             parts.push((at, hull(&points).into()));
         }
@@ -68,15 +68,11 @@ impl Body {
         let mut rng = SplitMix64::new(seed);
         let (mut surfaces, mut solids) = (Vec::new(), Vec::new());
         for _ in 0..tiles {
-            let at =
-                Pose::from_parts((DVec3::from_array(rng.direction()) * 0.5).as_vec3(), rotation(&mut rng).as_quat());
+            let at = pose(&mut rng, 0.5);
             let corner = |rng: &mut SplitMix64| (DVec3::from_array(rng.direction()) * 1.2).as_vec3().to_array();
             let positions: Vec<[f32; 3]> = (0..12).map(|_| corner(&mut rng)).collect();
             let corners: Vec<[u32; 3]> = (0..4).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-            let triangles = Triangles { positions: &positions, corners: &corners, materials: &[] };
-            let file = write_triangle_mesh(bake_triangle_mesh(&triangles).unwrap(), &Default::default()).unwrap();
-            let mesh = hullmap::TriangleMesh::from_bytes(&file).unwrap();
-            surfaces.push((at, BakedSurface::new(Arc::new(mesh))));
+            surfaces.push((at, BakedSurface::new(Arc::new(packs::triangle_mesh(&positions, &corners)))));
             let solid = |t: &[u32; 3]| polytope(&t.map(|corner| positions[corner as usize])).placed(wide_pose(&at));
             solids.extend(corners.iter().map(solid));
         }
@@ -168,12 +164,8 @@ fn judge(what: &str, case: &Case<'_>, [hits, misses, late]: &mut [usize; 3]) {
 
 /// Random motions, most of which come near.
 fn motions(rng: &mut SplitMix64, spin: f64) -> [NonlinearRigidMotion; 2] {
-    let place = |rng: &mut SplitMix64, distance: f64| {
-        let turn = rotation(rng).as_quat();
-        Pose::from_parts((DVec3::from_array(rng.direction()) * distance).as_vec3(), turn)
-    };
     let vector = |rng: &mut SplitMix64, length: f64| (DVec3::from_array(rng.direction()) * length).as_vec3();
-    let (a, b) = (place(rng, 0.1), place(rng, 4.0));
+    let (a, b) = (pose(rng, 0.1), pose(rng, 4.0));
     let aim = vector(rng, 2.0) - b.translation;
     let still = NonlinearRigidMotion::new(a, vector(rng, 0.3), vector(rng, 0.3), vector(rng, 1.0));
     [still, NonlinearRigidMotion::new(b, vector(rng, 0.4), aim, vector(rng, spin))]
@@ -264,10 +256,6 @@ fn a_rod_that_touches_a_thin_wall_does_not_swing_through() {
     assert!(swings > 40 && passed[0] == 0, "{passed:?} of {swings}");
 }
 
-fn time(hit: Option<ShapeCastHit>) -> f32 {
-    hit.map_or(f32::INFINITY, |hit| hit.time_of_impact)
-}
-
 /// Half-spaces, which parry's own casts do not support: a rod and a ball that turn onto a floor.
 #[test]
 fn bodies_turn_onto_a_half_space() {
@@ -300,11 +288,7 @@ fn bodies_in_contact_stop_only_if_asked_to() {
     let cube = cuboid([0.5; 3]);
     let floor_points =
         [[-9.0, 0.0, -9.0], [-9.0, 0.0, 9.0], [4.0, 0.0, 9.0], [4.0, 0.0, -9.0], [4.0, 5.0, 9.0], [4.0, 5.0, -9.0]];
-    let mesh = |corners: &[[u32; 3]]| {
-        let triangles = Triangles { positions: &floor_points, corners, materials: &[] };
-        let file = write_triangle_mesh(bake_triangle_mesh(&triangles).unwrap(), &Default::default()).unwrap();
-        BakedSurface::new(Arc::new(hullmap::TriangleMesh::from_bytes(&file).unwrap()))
-    };
+    let mesh = |corners: &[[u32; 3]]| BakedSurface::new(Arc::new(packs::triangle_mesh(&floor_points, corners)));
     let floor = mesh(&[[0, 1, 2], [0, 2, 3]]);
     let level = mesh(&[[0, 1, 2], [0, 2, 3], [2, 4, 5], [2, 5, 3]]);
     let slab = cuboid([9.0, 1.0, 9.0]);

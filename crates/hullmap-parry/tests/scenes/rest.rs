@@ -31,7 +31,7 @@ fn most_come_to_rest(ways: &[Way], floor: Floor, size: f32) {
         for model in models(size) {
             for rotation in rotations(1, 2) {
                 let outcome = drop(&model, size, rotation, floor, way, 10.0);
-                let place = format!("{} on {}, {way:?}: {outcome:?}", model.name, floor.name());
+                let place = format!("{} on {floor:?}, {way:?}: {outcome:?}", model.name);
                 // Mode A forgets its points in every step. Some bodies gain up to twice the limit.
                 let most = if way == Way::Dispatcher { Outcome::GAIN } else { 2.0 * Outcome::GAIN };
                 assert!(!outcome.is_stuck() && outcome.gained <= most, "{place}");
@@ -52,9 +52,9 @@ fn most_come_to_rest(ways: &[Way], floor: Floor, size: f32) {
                 .flat_map(|model| rotations(1, 2).into_iter().map(move |rotation| (model, rotation)))
                 .filter(|(model, rotation)| drop(model, size, *rotation, floor, Way::Parry, 10.0).lost)
                 .count();
-            assert!(lost <= of_parry, "{lost} lost through {}, {way:?}; {of_parry} of parry's", floor.name());
+            assert!(lost <= of_parry, "{lost} lost through {floor:?}, {way:?}; {of_parry} of parry's");
         }
-        assert!(asleep * 8 >= count * 7, "{asleep} of {count} sleep on {}, {way:?}", floor.name());
+        assert!(asleep * 8 >= count * 7, "{asleep} of {count} sleep on {floor:?}, {way:?}");
     }
 }
 
@@ -103,7 +103,7 @@ fn prisms_stand_upright() {
             for sides in [3, 5, 8, 16, 64, 500] {
                 let standing = stand(sides, 1, floor, way, 3.0);
                 let upright = standing.tilt_degrees < 0.02 && standing.asleep == 1 && standing.drift < 1e-3;
-                assert!(upright, "{sides} sides on {}, {way:?}: {standing:?}", floor.name());
+                assert!(upright, "{sides} sides on {floor:?}, {way:?}: {standing:?}");
             }
         }
     }

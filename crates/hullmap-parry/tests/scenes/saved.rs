@@ -7,7 +7,6 @@ use crate::saving::{load, save};
 use crate::stage::rest::rotations;
 use crate::stage::way::Way;
 use hullmap::Pack;
-use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_parry::{BakedHull, HullDispatcher, SavedShape, SavedShapeError, compound, is_custom};
 use hullmap_testkit::packs::{self, point_set};
 use rapier3d::prelude::*;
@@ -17,14 +16,13 @@ type Packages = BTreeMap<String, Arc<Pack>>;
 
 /// Two packs: one with rocks, and one with the parts of a concave object.
 fn packages() -> Packages {
-    let bake = |sets: &[_]| {
-        let file = packs::bytes(sets, IndexKind::Tree, &SourceRecord::default()).unwrap();
-        Arc::new(Pack::from_bytes(&file).unwrap())
-    };
     let rocks = [40, 300].map(|n| point_set(&format!("rock {n}"), &Family::Rock.points(n, 3)));
     let moved = |x: f32| cube_grid(27, 1).iter().map(|p| [0.5 * p[0] + x, 0.5 * p[1], 0.5 * p[2]]).collect::<Vec<_>>();
     let parts = [point_set("pair", &moved(-0.6)), point_set("pair", &moved(0.6))];
-    BTreeMap::from([("rocks".to_owned(), bake(&rocks)), ("pair".to_owned(), bake(&parts))])
+    BTreeMap::from([
+        ("rocks".to_owned(), Arc::new(packs::parts(&rocks))),
+        ("pair".to_owned(), Arc::new(packs::parts(&parts))),
+    ])
 }
 
 fn world(packages: &Packages, way: Way) -> PhysicsWorld {
@@ -84,20 +82,20 @@ fn a_world_goes_on_after_saving_and_loading() {
             world.step();
             loaded.step();
             reset.step();
-            assert_eq!(farthest(&reset, &loaded), 0.0, "{}: after {} steps", way.name(), step + 1);
+            assert_eq!(farthest(&reset, &loaded), 0.0, "{way:?}: after {} steps", step + 1);
             // A body may meet another one step later, and then takes another path. Most do not.
             let mut apart: Vec<f32> =
                 positions(&world).iter().zip(positions(&loaded)).map(|(p, q)| p.distance(q)).collect();
             apart.sort_by(f32::total_cmp);
-            println!("{}: up to {:?} apart after {} steps", way.name(), apart.last(), step + 1);
+            println!("{way:?}: up to {:?} apart after {} steps", apart.last(), step + 1);
             let apart = apart[apart.len() * 3 / 4];
-            assert!(apart < 5e-3, "{}: {apart} apart after {} steps", way.name(), step + 1);
+            assert!(apart < 5e-3, "{way:?}: {apart} apart after {} steps", step + 1);
         }
         (0..900).for_each(|_| loaded.step());
         let bodies = || loaded.bodies.iter().map(|(_, body)| body);
-        assert!(bodies().all(|body| body.translation().y > 0.0), "{}: a body fell through the floor", way.name());
+        assert!(bodies().all(|body| body.translation().y > 0.0), "{way:?}: a body fell through the floor");
         let asleep = bodies().filter(|body| body.is_sleeping()).count();
-        assert!(asleep >= 20, "{}: {asleep} of 24 sleep", way.name());
+        assert!(asleep >= 20, "{way:?}: {asleep} of 24 sleep");
     }
 }
 
@@ -108,13 +106,11 @@ fn hulls_are_found_by_name_after_another_bake() {
     let saved = SavedShape::from_shape(&shape, &packages).unwrap();
     // The rocks in another order.
     let rocks = [300, 40].map(|n| point_set(&format!("rock {n}"), &Family::Rock.points(n, 3)));
-    let file = packs::bytes(&rocks, IndexKind::Tree, &SourceRecord::default()).unwrap();
-    let again = BTreeMap::from([("rocks".to_owned(), Arc::new(Pack::from_bytes(&file).unwrap()))]);
+    let again = BTreeMap::from([("rocks".to_owned(), Arc::new(packs::parts(&rocks)))]);
     let loaded = saved.load(&again).unwrap();
     assert_eq!(loaded.as_shape::<BakedHull>().unwrap().hull().name(), "rock 300");
 
-    let file = packs::bytes(&rocks[1..], IndexKind::Tree, &SourceRecord::default()).unwrap();
-    let without = BTreeMap::from([("rocks".to_owned(), Arc::new(Pack::from_bytes(&file).unwrap()))]);
+    let without = BTreeMap::from([("rocks".to_owned(), Arc::new(packs::parts(&rocks[1..])))]);
     let expected = SavedShapeError::NoSuchHull { pack: "rocks".into(), hull: "rock 300".into(), part: 0 };
     assert_eq!(saved.load(&without).err().unwrap(), expected);
     let message = expected.to_string();

@@ -1,41 +1,18 @@
 //! A tile of a surface: one triangle mesh or height field, and where it is.
 
-use std::sync::Arc;
-
 #[cfg(feature = "dispatcher")]
 use hullmap::EdgeClass;
+pub use hullmap::compound::SharedSheet as Sheet;
 #[cfg(feature = "dispatcher")]
 use hullmap::compound::seams::{self, Neighbour, Union};
 use hullmap::geometry::{Geometry, Visitor};
 use hullmap::glam::DVec3;
 use hullmap::shapes::Triangle;
-use hullmap::{HeightField, TriangleMesh};
 
 use super::super::convert::{narrow, narrow_pose, wide_pose};
 use super::super::parry;
 use super::super::parry::bounding_volume::{Aabb, BoundingVolume as _};
 use super::super::parry::math::{Pose, Real};
-
-/// A [`TriangleMesh`] or a [`HeightField`], shared.
-#[derive(Clone, Debug)]
-pub enum Sheet {
-    /// A triangle mesh.
-    Mesh(Arc<TriangleMesh>),
-    /// A height field.
-    Field(Arc<HeightField>),
-}
-
-impl From<Arc<TriangleMesh>> for Sheet {
-    fn from(mesh: Arc<TriangleMesh>) -> Self {
-        Self::Mesh(mesh)
-    }
-}
-
-impl From<Arc<HeightField>> for Sheet {
-    fn from(field: Arc<HeightField>) -> Self {
-        Self::Field(field)
-    }
-}
 
 /// Evaluates `$answer` with `$sheet` bound to the mesh or the field of `$tile`, one-sided if the
 /// tile is. [`Sheet`] must be in scope.
@@ -125,10 +102,7 @@ impl SurfaceTile {
 
     /// Number of its triangles, including the triangles of holes.
     pub fn triangle_count(&self) -> usize {
-        match &self.sheet {
-            Sheet::Mesh(mesh) => mesh.triangle_count(),
-            Sheet::Field(field) => field.triangle_count(),
-        }
+        self.sheet.triangle_count()
     }
 
     /// Material of a triangle, from the bake; `None` in a hole, and beyond the last triangle.
@@ -156,10 +130,7 @@ impl SurfaceTile {
 
     /// A triangle in the frame of the tile; `None` in a hole, and beyond the last triangle.
     pub(in super::super) fn triangle(&self, triangle: usize) -> Option<Triangle> {
-        match &self.sheet {
-            Sheet::Mesh(mesh) => mesh.triangle(triangle),
-            Sheet::Field(field) => field.triangle(triangle),
-        }
+        self.sheet.triangle(triangle)
     }
 
     pub(in super::super) fn parry_triangle(&self, triangle: usize) -> Option<parry::shape::Triangle> {
@@ -180,10 +151,7 @@ impl SurfaceTile {
 
     /// Normal of a triangle's front in the frame of the tile; `None` in a hole, and without area.
     pub(in super::super) fn local_normal(&self, triangle: usize) -> Option<DVec3> {
-        match &self.sheet {
-            Sheet::Mesh(mesh) => mesh.normal(triangle),
-            Sheet::Field(field) => field.normal(triangle),
-        }
+        self.sheet.normal(triangle)
     }
 
     /// Classes of the edges of a triangle, from corner i to the next one.

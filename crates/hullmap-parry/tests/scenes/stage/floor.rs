@@ -35,20 +35,6 @@ pub enum Floor {
 }
 
 impl Floor {
-    /// Name for messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Cuboid => "cuboid",
-            Self::Hull => "hull",
-            Self::HalfSpace => "half-space",
-            Self::TriangleMesh => "triangle mesh",
-            Self::Compound => "compound",
-            Self::BakedMesh => "baked mesh",
-            Self::HeightField => "height field",
-            Self::Rough => "rough field",
-        }
-    }
-
     /// The ground, if it is not the plane y = 0.
     fn relief(self) -> Option<&'static Relief> {
         (self == Self::Rough).then(Relief::rough)

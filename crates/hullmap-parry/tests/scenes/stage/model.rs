@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use hullmap::{Pack, SharedHull};
-use hullmap_bake::PointSet;
 use hullmap_import::{ImportOptions, Limits, import, read};
 use hullmap_parry::{BakedHull, union};
 use hullmap_testkit::packs;
@@ -93,32 +92,14 @@ pub fn meshes(folder: &Path, size: f32) -> Vec<Model> {
     files.iter().filter_map(|path| mesh(path, size)).collect()
 }
 
-/// The name and the point sets of a mesh file.
-fn imported(path: &Path) -> (String, Vec<PointSet>) {
+/// The hull of one mesh file; `None` if it is flat. Panics if the file cannot be read or imported.
+pub fn mesh(path: &Path, size: f32) -> Option<Model> {
     let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("mesh");
     let (file, limits) = (path.display().to_string(), Limits::DEFAULT);
     let source = read(&file, path, &limits).unwrap_or_else(|error| panic!("{file}: {error:?}"));
-    let mut imported =
-        import(&file, name, path, &source, &ImportOptions::DEFAULT, &limits).unwrap_or_else(|error| panic!("{error}"));
-    imported.give_triangles();
-    (name.to_owned(), imported.point_sets)
-}
-
-/// Vertices and triangles of a mesh file. Panics if the file cannot be read or imported.
-pub fn triangles(path: &Path) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
-    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-    for set in imported(path).1 {
-        let first = positions.len() as u32;
-        positions.extend(set.positions);
-        triangles.extend(set.triangles.iter().map(|t| t.map(|corner| first + corner)));
-    }
-    (positions, triangles)
-}
-
-/// The hull of one mesh file; `None` if it is flat. Panics if the file cannot be read or imported.
-pub fn mesh(path: &Path, size: f32) -> Option<Model> {
-    let (name, sets) = imported(path);
-    Model::sized(&name, &sets.into_iter().flat_map(|set| set.positions).collect::<Vec<_>>(), size)
+    let imported = import(&file, name, path, &source, &ImportOptions::DEFAULT, &limits);
+    let sets = imported.unwrap_or_else(|error| panic!("{error}")).point_sets;
+    Model::sized(name, &sets.into_iter().flat_map(|set| set.positions).collect::<Vec<_>>(), size)
 }
 
 /// Bodies that need no file: generated families of many kinds.

@@ -30,8 +30,6 @@ pub struct Outcome {
     /// half a second or longer. At the earlier time, depth in the floor counts as height: the way
     /// back up is no gain.
     pub gained: f32,
-    /// Speed at the end.
-    pub speed: f32,
 }
 
 impl Outcome {
@@ -44,11 +42,6 @@ impl Outcome {
     /// Whether the body is in the floor for good.
     pub fn is_stuck(&self) -> bool {
         !self.lost && self.final_depth > Self::STUCK
-    }
-
-    /// Whether the body gained energy.
-    pub fn has_gained(&self) -> bool {
-        self.gained > Self::GAIN
     }
 }
 
@@ -84,9 +77,8 @@ pub fn drop(model: &Model, size: f32, rotation: Rotation, floor: Floor, way: Way
         }
     }
     let body = &world.bodies[body];
-    let speed = body.linvel().length() + body.angvel().length() * size;
     let lost = !(body.translation().y > lowest - 0.5 * size && deepest < 0.5 * size);
-    Outcome { asleep_after: slept_at, lost, deepest, final_depth: below, gained, speed }
+    Outcome { asleep_after: slept_at, lost, deepest, final_depth: below, gained }
 }
 
 /// `count` random rotations, the same for a seed.

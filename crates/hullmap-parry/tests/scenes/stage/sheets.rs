@@ -4,19 +4,15 @@
 use std::sync::Arc;
 
 use hullmap::height_field::{Diagonal, Layout};
-use hullmap::{HeightField, TriangleMesh};
-use hullmap_bake::height_field::{HeightGrid, bake_height_field, write_height_field};
-use hullmap_bake::triangle_mesh::{Triangles, bake_triangle_mesh, write_triangle_mesh};
 use hullmap_parry::BakedSurface;
+use hullmap_testkit::packs;
 use rapier3d::prelude::*;
 
 use super::way::Way;
 
 /// A baked triangle mesh. Panics if it cannot be baked.
 pub fn mesh(positions: &[[f32; 3]], corners: &[[u32; 3]]) -> BakedSurface {
-    let baked = bake_triangle_mesh(&Triangles { positions, corners, materials: &[] }).expect("a mesh");
-    let file = write_triangle_mesh(baked, &Default::default()).expect("a file");
-    BakedSurface::new(Arc::new(TriangleMesh::from_bytes(&file).expect("a valid file")))
+    BakedSurface::new(Arc::new(packs::triangle_mesh(positions, corners)))
 }
 
 /// A height field of squares, in its own frame: heights are along z.
@@ -46,10 +42,9 @@ impl Heights {
 
     /// The baked field, with y up. Panics if it cannot be baked.
     pub fn surface(&self) -> BakedSurface {
-        let grid = HeightGrid { layout: self.layout, heights: &self.heights, holes: &[], materials: &[] };
-        let file = write_height_field(bake_height_field(&grid).expect("a field"), &Default::default()).expect("a file");
-        let field = BakedSurface::new(Arc::new(HeightField::from_bytes(&file).expect("a valid file")));
-        BakedSurface::joined([(y_up(), field)]).expect("one tile")
+        let field = packs::height_field(self.layout, &self.heights, &[]);
+        let y_up = Pose::new(Vector::ZERO, Vector::X * -std::f32::consts::FRAC_PI_2);
+        BakedSurface::joined([(y_up, BakedSurface::new(Arc::new(field)))]).expect("one tile")
     }
 
     /// parry's field of the same heights, with y up and the other diagonal, and its pose.
@@ -67,11 +62,6 @@ impl Heights {
         let center = Vector::new((0.5 * (low[0] + high[0])) as f32, 0.0, (-0.5 * (low[1] + high[1])) as f32);
         (Pose::from_translation(center), SharedShape::heightfield(heights, size))
     }
-}
-
-/// The pose that turns z up to y up.
-pub fn y_up() -> Pose {
-    Pose::new(Vector::ZERO, Vector::X * -std::f32::consts::FRAC_PI_2)
 }
 
 /// A surface for a way of using shapes: parry's own triangle mesh of the same triangles, or the

@@ -2,6 +2,7 @@
 
 use hullmap::glam::DVec3;
 use hullmap_random::SplitMix64;
+use hullmap_testkit::polytope::cut;
 
 /// Half of the side of the square slab, in metres.
 pub const HALF: f64 = 4.0;
@@ -43,29 +44,14 @@ impl Cut {
             Self::Random => {
                 let axes = [DVec3::X, DVec3::Y, DVec3::Z];
                 let sides = |axis: DVec3| [(axis, slab[1].dot(axis)), (-axis, -slab[0].dot(axis))];
-                let mut parts = vec![axes.into_iter().flat_map(sides).collect::<Vec<_>>()];
-                while parts.len() < 64 {
-                    // The largest part is cut through its centre.
-                    let size = |part: &Vec<(DVec3, f64)>| extent(&vertices(part));
-                    let largest = (0..parts.len()).max_by(|a, b| size(&parts[*a]).total_cmp(&size(&parts[*b])));
-                    let part = parts.swap_remove(largest.unwrap_or(0));
-                    let found = vertices(&part);
-                    let centre = found.iter().sum::<DVec3>() / found.len() as f64;
+                let slab: Vec<_> = axes.into_iter().flat_map(sides).collect();
+                cut(&slab, 64, 0.0, || {
                     let angle = rng.between(0.0, std::f64::consts::PI);
-                    let normal = DVec3::new(angle.cos(), rng.between(-0.577, 0.577), angle.sin()).normalize();
-                    for normal in [normal, -normal] {
-                        parts.push(part.iter().copied().chain([(normal, normal.dot(centre))]).collect());
-                    }
-                }
-                parts.iter().map(|part| vertices(part)).collect()
+                    DVec3::new(angle.cos(), rng.between(-0.577, 0.577), angle.sin()).normalize()
+                })
             }
         }
     }
-}
-
-fn extent(points: &[DVec3]) -> f64 {
-    let far = |p: &DVec3| points.iter().map(|q| p.distance(*q)).fold(0.0, f64::max);
-    points.iter().map(far).fold(0.0, f64::max)
 }
 
 /// Corners of a box.
@@ -86,24 +72,4 @@ fn grid(mut change: impl FnMut(usize) -> (f64, f64)) -> Vec<Vec<DVec3>> {
         corners([within(low - sideways), within(high + sideways) + DVec3::new(0.0, rise, 0.0)])
     };
     (0..64).map(part).collect()
-}
-
-/// Vertices of the intersection of half-spaces (outward normal, offset), by solving all triples.
-fn vertices(planes: &[(DVec3, f64)]) -> Vec<DVec3> {
-    let mut found: Vec<DVec3> = Vec::new();
-    for (i, (n, d)) in planes.iter().enumerate() {
-        for (j, (m, e)) in planes.iter().enumerate().skip(i + 1) {
-            for (o, f) in &planes[j + 1..] {
-                let determinant = n.dot(m.cross(*o));
-                if determinant.abs() < 1e-9 {
-                    continue;
-                }
-                let p = (*d * m.cross(*o) + *e * o.cross(*n) + *f * n.cross(*m)) / determinant;
-                if planes.iter().all(|(n, d)| n.dot(p) <= d + 1e-9) && found.iter().all(|q| q.distance(p) > 1e-7) {
-                    found.push(p);
-                }
-            }
-        }
-    }
-    found
 }

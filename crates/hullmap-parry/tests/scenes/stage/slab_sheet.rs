@@ -1,12 +1,10 @@
 //! The slab of the slides as triangle meshes and height fields, whole or as two that meet.
 
-use hullmap::Pack;
 use hullmap::glam::Quat;
 use hullmap::height_field::Diagonal;
-use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_parry::{BakedHull, BakedSurface};
 use hullmap_random::SplitMix64;
-use hullmap_testkit::packs::{bytes, point_set};
+use hullmap_testkit::packs::tree_pack;
 use rapier3d::prelude::*;
 
 use super::sheets::{self, Heights};
@@ -112,8 +110,7 @@ fn mesh(cut: Cut, slope: Quat, takes: impl Fn(f64) -> bool, shows: impl Fn([Vect
             continue;
         }
         let points: Vec<[f32; 3]> = part.iter().map(|p| (slope.as_dquat() * *p).as_vec3().to_array()).collect();
-        let baked = bytes(&[point_set("part", &points)], IndexKind::Tree, &SourceRecord::default()).expect("a hull");
-        let pack = std::sync::Arc::new(Pack::from_bytes(&baked).expect("a pack"));
+        let pack = std::sync::Arc::new(tree_pack(&points));
         let (vertices, triangles) = BakedHull::new(pack.shared_hull(0).expect("one hull")).to_trimesh();
         let first = positions.len() as u32;
         positions.extend(vertices.iter().map(|v| v.to_array()));

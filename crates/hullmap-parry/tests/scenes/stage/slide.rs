@@ -3,11 +3,9 @@
 
 use std::sync::Arc;
 
-use hullmap::Pack;
 use hullmap::glam::{DVec3, Quat};
-use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_parry::compound;
-use hullmap_testkit::packs::{bytes, point_set};
+use hullmap_testkit::packs::{corners as box_corners, parts as parts_pack, point_set};
 use rapier3d::parry::shape::Compound;
 use rapier3d::prelude::*;
 
@@ -32,8 +30,7 @@ pub fn union(parts: &[Vec<DVec3>], way: Way) -> SharedShape {
         };
     }
     let sets: Vec<_> = single.iter().map(|points| point_set("part", points)).collect();
-    let baked = bytes(&sets, IndexKind::Tree, &SourceRecord::default()).expect("the parts can be baked");
-    compound(&Arc::new(Pack::from_bytes(&baked).expect("a pack"))).expect("at least one part")
+    compound(&Arc::new(parts_pack(&sets))).expect("at least one part")
 }
 
 /// A body that slides or rolls.
@@ -65,11 +62,7 @@ impl Slider {
     pub fn shape(self, way: Way) -> SharedShape {
         let solid = |points: &[[f32; 3]]| Model::new("body", points).expect("a solid").shape(way);
         match self {
-            Self::Box | Self::TurnedBox => {
-                let points: Vec<[f32; 3]> =
-                    corners([DVec3::splat(-0.5), DVec3::splat(0.5)]).iter().map(|p| p.as_vec3().to_array()).collect();
-                solid(&points)
-            }
+            Self::Box | Self::TurnedBox => solid(&box_corners([-0.5; 3], [0.5; 3])),
             Self::Sphere => {
                 // Fibonacci's points: evenly spread, and no two at the same height.
                 let point = |i: usize| {

@@ -4,26 +4,18 @@ use hullmap_parry::HullDispatcher;
 use rapier3d::prelude::*;
 
 /// A way of using hulls in Rapier.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Way {
-    /// parry's `convex_hull` of the same points.
+    /// parry's own convex polyhedra, of the same points
     Parry,
-    /// Baked hulls with parry's default dispatcher.
+    /// Baked hulls, parry's default dispatcher
+    #[value(name = "baked")]
     Shapes,
-    /// Baked hulls with `HullDispatcher`.
+    /// Baked hulls, `HullDispatcher`
     Dispatcher,
 }
 
 impl Way {
-    /// Name for messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Parry => "parry",
-            Self::Shapes => "A",
-            Self::Dispatcher => "B",
-        }
-    }
-
     /// An empty world with gravity along −y.
     pub fn world(self) -> PhysicsWorld {
         let mut world = PhysicsWorld::new();
