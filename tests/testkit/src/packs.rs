@@ -66,7 +66,8 @@ pub fn tree_bytes(positions: &[[f32; 3]]) -> Vec<u8> {
     bytes.unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// An opened pack of several hulls. Panics if the points cannot be baked, or the pack does not open.
+/// An opened pack of several hulls. Panics if the points cannot be baked, or the pack does not
+/// open.
 pub fn parts(sets: &[PointSet]) -> Pack {
     let bytes = bytes(sets, IndexKind::Tree, &SourceRecord::default()).unwrap_or_else(|error| panic!("{error}"));
     Pack::from_bytes(&bytes).unwrap_or_else(|error| panic!("{error}"))

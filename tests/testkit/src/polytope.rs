@@ -60,8 +60,8 @@ pub fn vertices(planes: &[Plane]) -> Vec<DVec3> {
 }
 
 /// Vertices of `count` parts whose union is the intersection of half-spaces: the largest part is
-/// cut through its centre, again and again, by a plane with the next `normal`. `grow` moves the cuts
-/// outwards, so that the parts overlap; a negative value leaves gaps.
+/// cut through its centre, again and again, by a plane with the next `normal`. `grow` moves the
+/// cuts outwards, so that the parts overlap; a negative value leaves gaps.
 pub fn cut(planes: &[Plane], count: usize, grow: f64, mut normal: impl FnMut() -> DVec3) -> Vec<Vec<DVec3>> {
     let size = |part: &Vec<Plane>| {
         let found = vertices(part);

@@ -1,5 +1,5 @@
 //! A hull that owns its share of the pack: it can be stored, sent to threads and outlive the pack's
-//! own handle. `pairings` compares its answers with those of the borrowed hull.
+//! own handle. `pairings` compares its answers with the borrowed hull's.
 
 use std::sync::Arc;
 

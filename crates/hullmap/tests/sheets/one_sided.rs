@@ -1,4 +1,5 @@
-//! Sheets that collide on their fronts alone. `hullmap_tests::sheets::joints` judges rays and casts.
+//! Sheets that collide on their fronts alone. `hullmap_tests::sheets::joints` judges rays and
+//! casts.
 
 use glam::DVec3;
 use hullmap::compound::OneSided;
