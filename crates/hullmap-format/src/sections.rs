@@ -241,41 +241,33 @@ mod tests {
 
     #[test]
     fn every_changed_root_is_rejected() {
-        let payload = sample();
-        every_change_is_rejected(&payload, ROOT_LEN);
-        every_change_is_rejected(&extended_sample(), EXTENDED_ROOT_LEN);
-    }
-
-    fn every_change_is_rejected(payload: &AlignedVec<PAYLOAD_ALIGNMENT>, root_len: usize) {
-        let root_at = payload.len() - root_len;
-        for at in (root_at..payload.len()).step_by(4) {
-            let old = u32::from_le_bytes(payload[at..at + 4].try_into().unwrap());
-            for new in [0, 1, old ^ 1, old ^ 4, old ^ 64, old ^ 1 << 20, old ^ 1 << 31, u32::MAX, i32::MAX as u32] {
-                let mut changed = payload.clone();
-                changed[at..at + 4].copy_from_slice(&new.to_le_bytes());
-                // No section of the sample is followed by a gap, so no section can grow into one.
-                // If a section is shorter, its last bytes become a gap, which must be zero.
-                let gaps = |pack: Sections<'_>| check::gaps(&pack, &changed);
-                let is_rejected = Sections::read(&changed).and_then(gaps).is_err();
-                assert!(is_rejected || new == old, "byte {}: {old:#x} to {new:#x}", at - root_at);
+        for (payload, root_len) in [(sample(), ROOT_LEN), (extended_sample(), EXTENDED_ROOT_LEN)] {
+            let root_at = payload.len() - root_len;
+            for at in (root_at..payload.len()).step_by(4) {
+                let old = u32::from_le_bytes(payload[at..at + 4].try_into().unwrap());
+                for new in [0, 1, old ^ 1, old ^ 4, old ^ 64, old ^ 1 << 20, old ^ 1 << 31, u32::MAX, i32::MAX as u32] {
+                    let mut changed = payload.clone();
+                    changed[at..at + 4].copy_from_slice(&new.to_le_bytes());
+                    // No section of the sample is followed by a gap, so no section can grow into
+                    // one. If a section is shorter, its last bytes become a gap, which must be
+                    // zero.
+                    let gaps = |pack: Sections<'_>| check::gaps(&pack, &changed);
+                    let is_rejected = Sections::read(&changed).and_then(gaps).is_err();
+                    assert!(is_rejected || new == old, "byte {}: {old:#x} to {new:#x}", at - root_at);
+                }
             }
         }
     }
 
     #[test]
     fn payloads_of_every_other_length_are_rejected() {
-        for payload in [sample(), extended_sample()] {
-            other_lengths_are_rejected(&payload);
+        for mut payload in [sample(), extended_sample()] {
+            for len in 0..payload.len() {
+                assert!(Sections::read(&payload[..len]).is_err(), "{len} bytes");
+            }
+            payload.extend_from_slice(&[0; 4]);
+            assert!(Sections::read(&payload).is_err());
+            assert_eq!(Sections::read(&payload[4..]).unwrap_err(), CheckError::Misaligned);
         }
-    }
-
-    fn other_lengths_are_rejected(payload: &AlignedVec<PAYLOAD_ALIGNMENT>) {
-        for len in 0..payload.len() {
-            assert!(Sections::read(&payload[..len]).is_err(), "{len} bytes");
-        }
-        let mut longer = payload.clone();
-        longer.extend_from_slice(&[0; 4]);
-        assert!(Sections::read(&longer).is_err());
-        assert_eq!(Sections::read(&longer[4..]).unwrap_err(), CheckError::Misaligned);
     }
 }

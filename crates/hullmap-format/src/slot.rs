@@ -178,14 +178,8 @@ mod tests {
     #[test]
     fn words_round_trip() {
         for payload in [0, 1, 5, PLANES_LIMIT - 1] {
-            for slot in [
-                Slot::Branch(payload),
-                Slot::Block(payload),
-                Slot::Plane(payload),
-                Slot::Bundle(payload),
-                Slot::Fan(payload),
-                Slot::List(payload),
-            ] {
+            let kinds = [Slot::Branch, Slot::Block, Slot::Plane, Slot::Bundle, Slot::Fan, Slot::List];
+            for slot in kinds.map(|kind: fn(u32) -> Slot| kind(payload)) {
                 assert_eq!(Slot::decode(slot.encode()), slot);
             }
         }

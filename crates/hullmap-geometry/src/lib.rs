@@ -17,4 +17,4 @@ mod point_set;
 pub mod quadratic_program;
 pub mod triangle;
 
-pub use point_set::{MAX_POINTS, PointSet, diagonal};
+pub use point_set::{MAX_POINTS, PointSet, bits, bounds, diagonal};

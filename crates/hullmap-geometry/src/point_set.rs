@@ -2,6 +2,10 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
+use crate::triangle::Triangle;
+
 /// Maximum number of points of one hull. Upper values of the 32-bit indices are reserved.
 pub const MAX_POINTS: usize = 1 << 30;
 
@@ -30,6 +34,21 @@ impl PointSet {
         Self { positions, source_vertices, ..Self::default() }
     }
 
+    /// Position `v`, in f64.
+    pub fn at(&self, v: u32) -> DVec3 {
+        DVec3::from_array(self.positions[v as usize].map(f64::from))
+    }
+
+    /// All positions, in f64.
+    pub fn points(&self) -> Vec<DVec3> {
+        self.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect()
+    }
+
+    /// Corners of a triangle of indices.
+    pub fn corners(&self, triangle: &[u32; 3]) -> Triangle {
+        triangle.map(|v| self.at(v))
+    }
+
     /// Diagonal of the box around the points.
     pub fn diagonal(&self) -> f64 {
         diagonal(&self.positions)
@@ -43,4 +62,15 @@ pub fn diagonal(points: &[[f32; 3]]) -> f64 {
         along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
     });
     sides.iter().map(|side| side * side).sum::<f64>().sqrt()
+}
+
+/// The corners of the box around points; infinite without points.
+pub fn bounds(points: impl IntoIterator<Item = DVec3>) -> [DVec3; 2] {
+    let start = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    points.into_iter().fold(start, |[low, high], p| [low.min(p), high.max(p)])
+}
+
+/// A position as a key. −0 and 0 are equal.
+pub fn bits(p: DVec3) -> [u64; 3] {
+    (p + DVec3::ZERO).to_array().map(f64::to_bits)
 }

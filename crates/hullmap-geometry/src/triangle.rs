@@ -157,9 +157,31 @@ pub fn heights_in_ball(corners: &Triangle, normal: DVec3, p: DVec3, radius: f64)
     [low.max(middle - half), high.min(middle + half)]
 }
 
+/// A triangle of indices from its least one on, in the same orientation.
+pub fn from_least([a, b, c]: [u32; 3]) -> [u32; 3] {
+    if a < b && a < c {
+        [a, b, c]
+    } else if b < c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
+
 /// The mean of the corners.
 pub fn centroid([a, b, c]: &Triangle) -> DVec3 {
     (*a + *b + *c) / 3.0
+}
+
+/// The centroid, and the radius of a ball around it that contains the triangle.
+pub fn ball(corners: &Triangle) -> (DVec3, f64) {
+    let centre = centroid(corners);
+    (centre, corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max))
+}
+
+/// The greatest distance of points from a triangle.
+pub fn farthest(points: &[DVec3], triangle: &Triangle) -> f64 {
+    points.iter().map(|p| nearest(triangle, *p).distance(*p)).fold(0.0, f64::max)
 }
 
 /// The halves of a triangle, cut through its longest edge.

@@ -25,7 +25,7 @@ use crate::geometry::{polygons, rebuilt};
 use crate::outside::to_point;
 use crate::random::SplitMix;
 use crate::soup::TriangleSoup;
-use hullmap_geometry::triangle::{self, Triangle, centroid, halves};
+use hullmap_geometry::triangle::{Triangle, ball, farthest, halves};
 
 const MAX_CELLS: usize = 40_000;
 
@@ -106,8 +106,7 @@ impl Judge {
     /// Prepares the mesh of `points`, which must have triangles, and the solid from which
     /// protrusion counts.
     pub fn new(points: &PointSet, solid: &Solid) -> Self {
-        let at = |v: &u32| DVec3::from_array(points.positions[*v as usize].map(f64::from));
-        let triangles: Vec<Triangle> = points.triangles.iter().map(|triangle| triangle.each_ref().map(at)).collect();
+        let triangles: Vec<Triangle> = points.triangles.iter().map(|triangle| points.corners(triangle)).collect();
         let soup = TriangleSoup::new(solid, solid.mesh_count());
         let [low, high] = solid.bounds();
         let rounding = ROUNDING * low.abs().max(high.abs()).max_element() + solid.tolerance();
@@ -178,8 +177,7 @@ impl Judge {
                 return Measured { bound: f64::INFINITY, value: 0.0, at: centre };
             };
             // The distance from a triangle is greatest at a corner.
-            let farthest = corners.iter().map(|p| triangle::nearest(&triangle, *p).distance(*p)).fold(0.0, f64::max);
-            let bound = (distance + radius).min(farthest);
+            let bound = (distance + radius).min(farthest(corners, &triangle));
             if bound <= claim {
                 return Measured { bound, value: 0.0, at: centre };
             }
@@ -222,12 +220,6 @@ fn surface(hull: &Hull, vertices: &[DVec3]) -> Vec<Triangle> {
         triangles.extend((2..corners.len()).map(|last| [corners[0], corners[last - 1], corners[last]]));
     }
     triangles
-}
-
-/// Centroid, and radius of a ball around it that contains the triangle.
-fn ball(corners: &Triangle) -> (DVec3, f64) {
-    let centre = centroid(corners);
-    (centre, corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max))
 }
 
 /// Random points of the triangles, in proportion to their areas.
@@ -342,19 +334,15 @@ mod tests {
     use hullmap::Pack;
     use hullmap_bake::fit::fits;
     use hullmap_bake::{BakedHull, IndexKind, SourceRecord, bake_hull, write_pack};
+    use shapes::solids::extrusion;
 
+    /// An L. Its caps are fans from the concave corner, the fourth one.
     fn corner() -> PointSet {
-        let outline = [[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0_f32]];
-        let positions: Vec<[f32; 3]> = [0.0, 1.0].iter().flat_map(|z| outline.map(|[x, y]| [x, y, *z])).collect();
-        let mut triangles: Vec<[u32; 3]> = Vec::new();
-        for [a, b, c] in [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5_u32]] {
-            triangles.extend([[a, c, b], [a + 6, b + 6, c + 6]]);
-        }
-        for i in 0..6_u32 {
-            let j = (i + 1) % 6;
-            triangles.extend([[i, j, j + 6], [i, j + 6, i + 6]]);
-        }
-        PointSet { name: "l".into(), triangles, ..PointSet::of_positions(positions) }
+        let outline = [[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+        let mut l = extrusion(&outline, 0.0, 1.0);
+        l.faces[0].rotate_left(2);
+        l.faces[1].rotate_left(3);
+        PointSet { name: "l".into(), triangles: l.fans(), ..PointSet::of_positions(l.vertices) }
     }
 
     fn part(mesh: &PointSet, vertices: &[usize]) -> BakedHull {

@@ -550,22 +550,9 @@ mod tests {
     #[test]
     fn json_has_the_documented_fields() {
         let result = serde_json::to_value(HullVerification::default()).unwrap();
-        for key in [
-            "file",
-            "hull",
-            "vertices",
-            "rank",
-            "proven",
-            "proven_regret",
-            "directions",
-            "max_regret",
-            "mismatches",
-            "max_nodes",
-            "max_dots",
-            "index_bytes_per_vertex",
-            "joint_rays",
-            "pass",
-        ] {
+        let keys = "file hull vertices rank proven proven_regret directions max_regret mismatches max_nodes max_dots \
+                    index_bytes_per_vertex joint_rays pass";
+        for key in keys.split(' ') {
             assert!(result.get(key).is_some(), "{key}");
         }
     }

@@ -10,7 +10,10 @@
 
 use glam::DVec3;
 use hullmap_bake::fit::Solid;
-use hullmap_geometry::triangle::{Triangle, nearest};
+use hullmap_geometry::{
+    bounds,
+    triangle::{Triangle, nearest},
+};
 use rayon::prelude::*;
 
 const LEAF: usize = 4;
@@ -145,9 +148,7 @@ impl TriangleSoup {
 
 fn grow(faces: &mut [Face], range: std::ops::Range<usize>, nodes: &mut Vec<Node>) {
     let own = &mut faces[range.clone()];
-    let corners = || own.iter().flat_map(|face| &face.corners);
-    let low = corners().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = corners().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let [low, high] = bounds(own.iter().flat_map(|face| face.corners));
     let index = nodes.len();
     let is_leaf = own.len() <= LEAF;
     let count = if is_leaf { own.len() as u32 } else { 0 };
@@ -155,8 +156,7 @@ fn grow(faces: &mut [Face], range: std::ops::Range<usize>, nodes: &mut Vec<Node>
     if is_leaf {
         return;
     }
-    let size = high - low;
-    let axis = (0..3).fold(0, |longest, axis| if size[axis] > size[longest] { axis } else { longest });
+    let axis = (high - low).max_position();
     let key = |face: &Face| face.corners.iter().map(|corner| corner[axis]).sum::<f64>();
     let half = own.len() / 2;
     own.select_nth_unstable_by(half, |a, b| key(a).total_cmp(&key(b)));
@@ -199,23 +199,16 @@ mod tests {
     use hullmap_bake::fit::SolidRule;
     use hullmap_geometry::PointSet;
 
-    /// Two boxes; the second has no lid.
-    fn boxes() -> PointSet {
-        let mut set = PointSet::default();
-        for (shift, faces) in [(0.0, 12), (3.0, 10)] {
-            let first = set.positions.len() as u32;
-            set.positions.extend((0..8).map(|i| [(i & 1) as f32 + shift, (i >> 1 & 1) as f32, (i >> 2) as f32]));
-            let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6_u32]];
-            let triangles = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]);
-            set.triangles.extend(triangles.take(faces).map(|triangle| triangle.map(|v| v + first)));
-        }
-        set.source_vertices = (0..set.positions.len() as u32).collect();
-        set
+    /// Two cubes; the second has no lid.
+    fn cubes() -> PointSet {
+        let mut cubes = shapes::cubes::surface(&[[0; 3], [3, 0, 0]]);
+        cubes.faces.pop();
+        PointSet { triangles: cubes.fans(), ..PointSet::of_positions(cubes.vertices) }
     }
 
     #[test]
-    fn distances_and_sides_match_boxes() {
-        let mesh = boxes();
+    fn distances_and_sides_match_cubes() {
+        let mesh = cubes();
         let soup = TriangleSoup::new(&Solid::by(&mesh, SolidRule::Closed), mesh.triangles.len());
         let mut random = SplitMix::new(5);
         let mut inside = 0;

@@ -153,29 +153,18 @@ mod tests {
     }
 
     #[test]
-    fn an_exact_hull_has_no_regret() {
+    fn only_a_hull_of_the_same_points_has_no_regret() {
         let source = sphere(200);
-        let result = try_out(&Cloud { vertices: source.clone(), bend: honest }, &source);
-        assert!(result.max_regret < 1e-15, "{}", result.max_regret);
-        assert_eq!((result.mismatches, result.invalid_answers), (0, 0));
-        assert_eq!(result.cost, Cost { nodes: 3, dots: 8 });
-    }
-
-    #[test]
-    fn a_hull_that_lost_a_point_fails() {
-        let source = sphere(200);
-        let result = try_out(&Cloud { vertices: source[1..].to_vec(), bend: honest }, &source);
-        assert!(result.mismatches > 0 && result.max_regret > 1e-4, "{result:?}");
-        assert!(result.worst_direction.unwrap().normalize().dot(source[0]) > 0.9);
-    }
-
-    #[test]
-    fn a_hull_with_a_point_of_its_own_fails() {
-        let source = sphere(200);
-        let mut vertices = source.clone();
-        vertices.push(Vec3::new(1.01, 0.0, 0.0));
-        let result = try_out(&Cloud { vertices, bend: honest }, &source);
-        assert!(result.mismatches > 0, "{result:?}");
+        let of = |vertices: Vec<Vec3>| try_out(&Cloud { vertices, bend: honest }, &source);
+        let exact = of(source.clone());
+        assert!(exact.max_regret < 1e-15, "{}", exact.max_regret);
+        assert_eq!((exact.mismatches, exact.invalid_answers), (0, 0));
+        assert_eq!(exact.cost, Cost { nodes: 3, dots: 8 });
+        let lost = of(source[1..].to_vec());
+        assert!(lost.mismatches > 0 && lost.max_regret > 1e-4, "{lost:?}");
+        assert!(lost.worst_direction.unwrap().normalize().dot(source[0]) > 0.9);
+        let own = of([source.as_slice(), &[Vec3::new(1.01, 0.0, 0.0)]].concat());
+        assert!(own.mismatches > 0, "{own:?}");
     }
 
     #[test]

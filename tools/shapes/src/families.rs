@@ -387,9 +387,9 @@ mod tests {
     #[test]
     fn families_give_exactly_n_finite_distinct_points_in_the_unit_cube() {
         for family in Family::ALL {
-            for n in [MIN_POINTS, 9, 10, 11, 27, 64, 101, 1_000, 4_099] {
-                for seed in SEEDS {
-                    let points = family.points(n, seed);
+            for n in [MIN_POINTS, 9, 10, 11, 27, 64, 101, 1_000, 4_099, 100_000] {
+                for seed in if n == 100_000 { &SEEDS[..1] } else { &SEEDS } {
+                    let points = family.points(n, *seed);
                     let at = format!("{} n={n} seed={seed}", family.name());
                     assert_eq!(points.len(), n, "{at}");
                     let bits: HashSet<_> = points.iter().map(|p| p.map(f32::to_bits)).collect();
@@ -401,13 +401,6 @@ mod tests {
                     }
                 }
             }
-        }
-    }
-
-    #[test]
-    fn large_families_are_still_distinct() {
-        for family in Family::ALL {
-            assert_eq!(family.points(100_000, 5).len(), 100_000);
         }
     }
 

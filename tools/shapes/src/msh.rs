@@ -5,8 +5,7 @@ use crate::mesh::Mesh;
 /// A file of vertices and triangles, without normals and texture coordinates. Polygons become
 /// fans.
 pub fn file(mesh: &Mesh) -> Vec<u8> {
-    let fans = mesh.faces.iter().flat_map(|face| face[1..].windows(2).map(|pair| [face[0], pair[0], pair[1]]));
-    let triangles: Vec<[u32; 3]> = fans.collect();
+    let triangles = mesh.fans();
     let counts = [mesh.vertices.len() as u32, 0, 0, triangles.len() as u32];
     let mut bytes: Vec<u8> = counts.iter().flat_map(|count| count.to_le_bytes()).collect();
     bytes.extend(mesh.vertices.iter().flatten().flat_map(|x| x.to_le_bytes()));

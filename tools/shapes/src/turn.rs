@@ -55,15 +55,9 @@ mod tests {
     }
 
     #[test]
-    fn quarter_turns_are_exact() {
-        assert_eq!(cos_sin(0, 500), (1.0, 0.0));
-        assert_eq!(cos_sin(125, 500), (0.0, 1.0));
-        assert_eq!(cos_sin(250, 500), (-1.0, 0.0));
-        assert_eq!(cos_sin(375, 500), (0.0, -1.0));
-    }
-
-    #[test]
-    fn polygons_are_symmetric() {
+    fn quarter_turns_are_exact_and_polygons_symmetric() {
+        let quarters = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)];
+        assert_eq!([0, 125, 250, 375].map(|index| cos_sin(index, 500)), quarters);
         for index in 1..250 {
             let (c, s) = cos_sin(index, 500);
             assert_eq!(cos_sin(500 - index, 500), (c, -s));
