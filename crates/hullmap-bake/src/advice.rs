@@ -475,32 +475,41 @@ pub fn of_hull(facts: &HullMeasures) -> Vec<Remark> {
 mod tests {
     use super::*;
 
+    const PLAIN: HullMeasures = HullMeasures {
+        name: "a",
+        rank: 3,
+        point_count: 100,
+        vertex_count: 80,
+        diameter: 1.0,
+        inner_radius: 0.3,
+        max_coordinate: 1.0,
+        outer_error: 0.0,
+        is_cut: false,
+    };
+
     #[test]
     fn each_problem_has_its_warning() {
-        let plain = HullMeasures {
-            name: "a",
-            rank: 3,
-            point_count: 100,
-            vertex_count: 80,
-            diameter: 1.0,
-            inner_radius: 0.3,
-            max_coordinate: 1.0,
-            outer_error: 0.0,
-            is_cut: false,
-        };
-        let words = |facts| summarise(of_hull(&facts)).1.join("; ");
-        assert_eq!(words(plain), "");
-        assert_eq!(words(HullMeasures { inner_radius: 1e-4, ..plain }), "");
-        assert!(words(HullMeasures { inner_radius: 4e-5, ..plain }).contains("hull a is thin"));
-        assert_eq!(words(HullMeasures { inner_radius: 4e-5, is_cut: true, ..plain }), "");
-        assert!(words(HullMeasures { inner_radius: f64::NAN, ..plain }).contains("thin"));
-        assert!(words(HullMeasures { rank: 2, ..plain }).contains("flat"));
-        assert!(words(HullMeasures { rank: 1, ..plain }).contains("segment"));
-        assert!(words(HullMeasures { rank: 0, ..plain }).contains("is a point"));
-        assert_eq!(words(HullMeasures { rank: 1, point_count: 2, ..plain }), "");
-        assert_eq!(words(HullMeasures { rank: 0, point_count: 1, ..plain }), "");
-        assert!(words(HullMeasures { vertex_count: 65_537, ..plain }).contains("--max-vertices"));
-        assert!(words(HullMeasures { max_coordinate: 1e20, ..plain }).contains("overflow"));
+        for facts in [
+            PLAIN,
+            HullMeasures { inner_radius: 1e-4, ..PLAIN },
+            HullMeasures { inner_radius: 4e-5, is_cut: true, ..PLAIN },
+            HullMeasures { rank: 1, point_count: 2, ..PLAIN },
+            HullMeasures { rank: 0, point_count: 1, ..PLAIN },
+        ] {
+            assert_eq!(of_hull(&facts), [], "{facts:?}");
+        }
+        for (expected, facts) in [
+            ("hull a is thin", HullMeasures { inner_radius: 4e-5, ..PLAIN }),
+            ("thin", HullMeasures { inner_radius: f64::NAN, ..PLAIN }),
+            ("flat", HullMeasures { rank: 2, ..PLAIN }),
+            ("segment", HullMeasures { rank: 1, ..PLAIN }),
+            ("is a point", HullMeasures { rank: 0, ..PLAIN }),
+            ("--max-vertices", HullMeasures { vertex_count: 65_537, ..PLAIN }),
+            ("overflow", HullMeasures { max_coordinate: 1e20, ..PLAIN }),
+        ] {
+            let words = summarise(of_hull(&facts)).1.join("; ");
+            assert!(words.contains(expected), "{expected}: {words}");
+        }
     }
 
     #[test]
@@ -509,19 +518,7 @@ mod tests {
             let (notes, warnings) = summarise([remark]);
             (notes.join("; "), warnings.join("; "))
         };
-        let simple = |outer_error| {
-            simplified(&HullMeasures {
-                name: "a",
-                rank: 3,
-                point_count: 9,
-                vertex_count: 8,
-                diameter: 10.0,
-                inner_radius: 1.0,
-                max_coordinate: 1.0,
-                outer_error,
-                is_cut: false,
-            })
-        };
+        let simple = |outer_error| simplified(&HullMeasures { vertex_count: 8, diameter: 10.0, outer_error, ..PLAIN });
         assert_eq!(simple(0.0), None);
         let (note, warning) = texts(simple(0.05).unwrap());
         assert!(

@@ -12,6 +12,7 @@
 //!   pair as long as the sum of their radii. On a sphere, the boxes alone take n^1.5 steps.
 
 use glam::DVec3;
+use hullmap_geometry::bounds;
 
 const GROUP: usize = 16;
 
@@ -41,8 +42,7 @@ fn search(points: &[DVec3]) -> DiameterSearch {
     let mut search = DiameterSearch::default();
     if points.len() >= 2 {
         let mut points = points.to_vec();
-        let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let [low, high] = bounds(points.iter().copied());
         let root = Group::new(&mut points, (low + high) * 0.5);
         search.farther(&root, &root);
     }
@@ -98,20 +98,12 @@ impl Cone {
 
 impl<'a> Group<'a> {
     fn new(points: &'a mut [DVec3], centre: DVec3) -> Self {
-        let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let [low, high] = bounds(points.iter().copied());
         let cone = Cone::new(points, centre);
         if points.len() <= GROUP {
             return Self { low, high, cone, points, halves: None };
         }
-        let size = high - low;
-        let axis = if size.x >= size.y && size.x >= size.z {
-            0
-        } else if size.y >= size.z {
-            1
-        } else {
-            2
-        };
+        let axis = (high - low).max_position();
         let middle = points.len() / 2;
         points.select_nth_unstable_by(middle, |a, b| a[axis].total_cmp(&b[axis]));
         let (left, right) = points.split_at_mut(middle);

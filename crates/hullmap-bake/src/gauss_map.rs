@@ -195,11 +195,10 @@ fn facet_normal(face: &[u32], positions: &[DVec3]) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hull;
-    use hullmap_geometry::PointSet;
+    use crate::test_meshes::hull_of;
 
     fn map(positions: Vec<[f32; 3]>) -> (Hull, GaussMap) {
-        let hull = hull::build(&PointSet::of_positions(positions)).unwrap();
+        let hull = hull_of(positions);
         let map = GaussMap::new(&hull);
         (hull, map)
     }

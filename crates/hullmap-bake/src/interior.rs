@@ -46,14 +46,11 @@ fn distance_to_plane(face: &[u32], vertices: &[DVec3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{hull, mass};
-    use hullmap_geometry::PointSet;
+    use crate::{mass, test_meshes::box_hull};
 
     #[test]
     fn balls_of_a_box() {
-        let positions: Vec<[f32; 3]> =
-            (0..8).map(|i| [(i & 1) as f32 * 2.0, (i >> 1 & 1) as f32 * 4.0, (i >> 2) as f32 * 6.0]).collect();
-        let hull = hull::build(&PointSet::of_positions(positions)).unwrap();
+        let hull = box_hull([0.0; 3], [2.0, 4.0, 6.0]);
         let balls = interior(&hull, &mass::mass(&hull));
         assert!(balls.inner_radius <= 1.0 && balls.inner_radius > 1.0 - 1e-11);
         let corner = 14_f64.sqrt();

@@ -49,6 +49,8 @@ pub mod progress;
 pub mod simplify;
 mod spread;
 pub mod symmetry;
+#[cfg(test)]
+mod test_meshes;
 pub mod triangle_mesh;
 
 pub use baked_hull::{BakedHull, SourceRecord, bake_hull, bake_hull_in, bake_simplified_hull};

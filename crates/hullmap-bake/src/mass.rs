@@ -116,37 +116,23 @@ pub(crate) fn outer(p: DVec3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hull;
-    use hullmap_geometry::PointSet;
-
-    fn mass_of(positions: &[[f32; 3]]) -> Mass {
-        let set = PointSet::of_positions(positions.to_vec());
-        mass(&hull::build(&set).unwrap())
-    }
-
-    fn close(a: &[f64], b: &[f64]) {
-        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12), "{a:?} is not {b:?}");
-    }
+    use crate::test_meshes::{corners, hull_of};
 
     #[test]
-    fn a_box_far_from_the_origin() {
-        let corners: Vec<[f32; 3]> = (0..8)
-            .map(|i| [100.0 + 2.0 * (i & 1) as f32, -50.0 + 4.0 * (i >> 1 & 1) as f32, 6.0 * (i >> 2) as f32])
-            .collect();
-        let m = mass_of(&corners);
-        close(&[m.volume, m.surface_area], &[48.0, 88.0]);
-        close(&m.centroid, &[101.0, -48.0, 3.0]);
-        close(&m.second_moments, &[4.0 / 12.0, 16.0 / 12.0, 36.0 / 12.0, 0.0, 0.0, 0.0]);
-    }
-
-    #[test]
-    fn a_right_triangle_and_a_segment() {
-        let m = mass_of(&[[0., 0., 1.], [3., 0., 1.], [0., 3., 1.]]);
-        close(&[m.volume, m.surface_area], &[0.0, 9.0]);
-        close(&m.centroid, &[1.0, 1.0, 1.0]);
-        close(&m.second_moments, &[0.5, 0.5, 0.0, 0.0, 0.0, -0.25]);
-        let m = mass_of(&[[0., 0., 1.], [6., 0., 1.]]);
-        close(&m.centroid, &[3.0, 0.0, 1.0]);
-        close(&m.second_moments, &[3.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    fn hulls_of_each_rank_have_the_mass_of_their_closed_forms() {
+        let far_box = corners([100.0, -50.0, 0.0], [102.0, -46.0, 6.0]);
+        let triangle = vec![[0., 0., 1.], [3., 0., 1.], [0., 3., 1.]];
+        let of_box = [4.0 / 12.0, 16.0 / 12.0, 36.0 / 12.0, 0.0, 0.0, 0.0];
+        for (positions, volume, surface_area, centroid, second_moments) in [
+            (far_box, 48.0, 88.0, [101.0, -48.0, 3.0], of_box),
+            (triangle, 0.0, 9.0, [1.0; 3], [0.5, 0.5, 0.0, 0.0, 0.0, -0.25]),
+            (vec![[0., 0., 1.], [6., 0., 1.]], 0.0, 0.0, [3.0, 0.0, 1.0], [3.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        ] {
+            let found = mass(&hull_of(positions));
+            let list = |m: &Mass| [&[m.volume, m.surface_area], &m.centroid[..], &m.second_moments].concat();
+            let expected = Mass { volume, surface_area, centroid, second_moments };
+            let is_near = list(&found).iter().zip(list(&expected)).all(|(a, b)| (a - b).abs() < 1e-12);
+            assert!(is_near, "{found:?} is not {expected:?}");
+        }
     }
 }

@@ -25,7 +25,7 @@ use crate::hull::{
     self, Hull,
     quickhull::{FILTER, exact_above, magnitude},
 };
-use hullmap_geometry::PointSet;
+use hullmap_geometry::{PointSet, bounds};
 
 /// Hulls with at most this many vertices have no outer hull, because it would be no simpler.
 const COARSE_ENOUGH: usize = 32;
@@ -72,8 +72,7 @@ pub fn outer(hull: &Hull) -> Vec<[f32; 3]> {
 }
 
 fn polytope(positions: &[DVec3], margin: f64) -> Vec<[f32; 3]> {
-    let low = positions.iter().copied().reduce(DVec3::min).unwrap_or_default();
-    let high = positions.iter().copied().reduce(DVec3::max).unwrap_or_default();
+    let [low, high] = bounds(positions.iter().copied());
     let push = margin * low.abs().max(high.abs()).max_element();
     let center = (low + high) * 0.5;
     let half = (high - low) * 0.5 + DVec3::splat(push);
@@ -109,8 +108,7 @@ pub(crate) fn holds(outer: &[[f32; 3]], positions: &[DVec3]) -> bool {
     let points = PointSet::of_positions(outer.to_vec());
     let Ok(solid) = hull::build(&points) else { return false };
     let corners = solid.positions();
-    let low = positions.iter().chain(&corners).copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = positions.iter().chain(&corners).copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let [low, high] = bounds(positions.iter().chain(&corners).copied());
     let is_behind = |face: &Vec<u32>| {
         let [a, b, c] = [0, 1, 2].map(|i| corners[face[i] as usize]);
         let normal = (b - a).cross(c - a);
@@ -130,10 +128,7 @@ mod tests {
     use shapes::families::Family;
 
     use super::*;
-
-    fn build(positions: Vec<[f32; 3]>) -> Hull {
-        hull::build(&PointSet::of_positions(positions)).unwrap()
-    }
+    use crate::test_meshes::hull_of;
 
     /// Support values check containment independently, and that the polytope is tight.
     #[test]
@@ -142,7 +137,7 @@ mod tests {
         for family in Family::ALL {
             for far in [0.0_f32, 1000.0] {
                 let points: Vec<[f32; 3]> = family.points(300, 1).iter().map(|p| [p[0] + far, p[1], p[2]]).collect();
-                let hull = build(points);
+                let hull = hull_of(points);
                 let outer = outer(&hull);
                 if hull.vertices.len() <= COARSE_ENOUGH {
                     assert!(outer.is_empty());
@@ -167,7 +162,7 @@ mod tests {
 
     #[test]
     fn a_ball_has_an_outer_hull_of_24_vertices() {
-        let outer = outer(&build(Family::Sphere.points(2_000, 1)));
+        let outer = outer(&hull_of(Family::Sphere.points(2_000, 1)));
         assert_eq!(outer.len(), 24);
     }
 }

@@ -18,7 +18,7 @@ use crate::{
     error::BakeError,
     file,
     fit::VoidsShare,
-    hull::{Hull, adjacency::Adjacency, quads::quads},
+    hull::{Hull, adjacency::Adjacency, bounds, quads::quads},
     mass::Mass,
     primitive::{Primitive, ProvenPrimitive},
 };
@@ -158,25 +158,13 @@ fn mesh_masses(hulls: &[BakedHull]) -> Vec<Option<MassRecord>> {
     let of_object = |(at, baked): (usize, &BakedHull)| {
         let found = baked.mesh_mass.filter(|_| baked.part == 0)?;
         let own = hulls.iter().skip(at).take(baked.part_count.max(1) as usize);
-        let mut bounds = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
-        for [low, high] in own.map(|baked| self::bounds(&baked.hull)) {
-            bounds[0] = std::array::from_fn(|axis| bounds[0][axis].min(low[axis]));
-            bounds[1] = std::array::from_fn(|axis| bounds[1][axis].max(high[axis]));
-        }
-        let [low, high] = bounds;
+        let [low, high] = bounds(own.flat_map(|baked| &baked.hull.vertices));
         let uncovered = baked.fit.map_or(0.0, |fit| fit.uncovered);
         let Mass { volume, centroid, second_moments, .. } = found;
         let record = MassRecord { volume, centroid, second_moments };
         mass::check(&record, low, high, uncovered).is_ok().then_some(record)
     };
     hulls.iter().enumerate().map(of_object).collect()
-}
-
-fn bounds(hull: &Hull) -> [[f32; 3]; 2] {
-    let component = |pick: fn(f32, f32) -> f32| -> [f32; 3] {
-        std::array::from_fn(|i| hull.vertices.iter().map(|v| v[i]).reduce(pick).unwrap_or_default())
-    };
-    [component(f32::min), component(f32::max)]
 }
 
 fn append(pack: &mut Pack, mut baked: BakedHull, detail: Detail) -> Result<(), BakeError> {
@@ -259,7 +247,7 @@ fn end_of(pack: &Pack) -> Result<Span, BakeError> {
 
 fn record(baked: &BakedHull, max_neighbours: u32) -> HullRecord {
     let BakedHull { hull, mass, index, interior, .. } = baked;
-    let [bounds_min, bounds_max] = bounds(hull);
+    let [bounds_min, bounds_max] = bounds(&hull.vertices);
     HullRecord {
         diameter: hull.diameter,
         centroid: mass.centroid,

@@ -223,6 +223,8 @@ mod tests {
         assert_eq!(flaws(&SOUND), []);
         let elsewhere = ObjectMeasures { cover: None, overlap: Some(3.0), ..SOUND };
         assert_eq!(flaws(&elsewhere), [], "nothing was requested of parts from elsewhere");
+        let plate = thickness(1.0 * 1.0 * 1e-4, 2.0 + 4.0 * 1e-4);
+        assert!((plate - 1e-4).abs() < 1e-7 && thickness(0.0, 0.0) == 0.0, "{plate}");
     }
 
     #[test]
@@ -231,18 +233,19 @@ mod tests {
         let parts = [PART, sliver];
         let made = ObjectMeasures { parts: &parts, ..SOUND };
         assert_eq!(flaws(&made), [(Flaw::Thin, vec![1])]);
-        let text = words(&made);
-        assert!(
-            text.starts_with(
-                "a: 1 of 2 parts is thinner than 0.1% of the diagonal, so bodies may pass through; the thinnest"
-            ) && text.contains("the mesh is not at fault; try another --max-error")
-                && !text.contains("decal"),
-            "{text}"
-        );
-        let sheet = words(&ObjectMeasures { solid: Some(SolidKind::Walls), ..made });
-        assert!(sheet.contains("thicken the mesh, or leave it out if it is a decal"), "{sheet}");
-        let elsewhere = words(&ObjectMeasures { cover: None, ..made });
-        assert!(elsewhere.contains("thicken them, or decompose"), "{elsewhere}");
+        let start = "a: 1 of 2 parts is thinner than 0.1% of the diagonal, so bodies may pass through; the thinnest";
+        for (object, remedy) in [
+            (made, "the mesh is not at fault; try another --max-error"),
+            (
+                ObjectMeasures { solid: Some(SolidKind::Walls), ..made },
+                "thicken the mesh, or leave it out if it is a decal",
+            ),
+            (ObjectMeasures { cover: None, ..made }, "thicken them, or decompose"),
+        ] {
+            let text = words(&object);
+            assert!(text.starts_with(start) && text.contains(remedy), "{text}");
+        }
+        assert!(!words(&made).contains("decal"));
         assert_eq!(flaws(&ObjectMeasures { is_cut: false, parts: &parts[1..], ..made }), [], "the mesh itself");
         let parts = [PartMeasures { thickness: f64::NAN, ..PART }];
         assert_eq!(flaws(&ObjectMeasures { parts: &parts, ..SOUND }), [(Flaw::Thin, vec![0])]);
@@ -270,12 +273,5 @@ mod tests {
             let open = ObjectMeasures { uncovered, ..SOUND };
             assert_eq!(flaws(&open), [(Flaw::Uncovered, vec![0, 1])]);
         }
-    }
-
-    #[test]
-    fn a_plate_is_as_thick_as_it_is() {
-        let plate = thickness(1.0 * 1.0 * 1e-4, 2.0 + 4.0 * 1e-4);
-        assert!((plate - 1e-4).abs() < 1e-7, "{plate}");
-        assert_eq!(thickness(0.0, 0.0), 0.0);
     }
 }

@@ -44,14 +44,14 @@ mod tests {
     use shapes::{concave, families::Family};
 
     use super::*;
-    use crate::decompose::{decompose, tests::point_set};
+    use crate::{
+        decompose::decompose,
+        test_meshes::{hull_of, point_set, surface_of},
+    };
 
     #[test]
     fn the_number_of_vertices_suffices_for_one_part() {
-        let ball = hull::build(&PointSet::of_positions(Family::Sphere.points(500, 1))).unwrap();
-        let fan = |face: &Vec<u32>| (1..face.len() - 1).map(|i| [face[0], face[i], face[i + 1]]).collect::<Vec<_>>();
-        let triangles = ball.faces.iter().flat_map(fan).collect();
-        let mut mesh = PointSet { triangles, ..PointSet::of_positions(ball.vertices) };
+        let mut mesh = surface_of(&hull_of(Family::Sphere.points(500, 1)));
         // A dent of 1 % of the diagonal.
         mesh.positions[7] = mesh.positions[7].map(|x| 0.96 * x);
         let cover = Cover { max_vertices: Some(64), ..Cover::default() };

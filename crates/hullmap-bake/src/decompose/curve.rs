@@ -78,7 +78,10 @@ mod tests {
     use shapes::concave;
 
     use super::*;
-    use crate::decompose::{decompose, tests::point_set};
+    use crate::{
+        decompose::decompose,
+        test_meshes::{hulls_of, point_set},
+    };
 
     #[test]
     fn points_of_the_curve_are_what_either_option_gives() {
@@ -99,7 +102,7 @@ mod tests {
             for point in found {
                 let cover = Cover { max_parts: Some(point.parts as u32), ..cover };
                 let parts = decompose(&mesh, &cover).unwrap().unwrap();
-                let hulls: Vec<Hull> = parts.iter().map(|part| hull::build(part).unwrap()).collect();
+                let hulls = hulls_of(&parts);
                 let fits = fits_around(&cover.solid_of(&mesh), &mesh, &hulls.iter().collect::<Vec<_>>(), None, None);
                 let reached = fits.unwrap().iter().map(|fit| fit.protrusion).fold(0.0, f64::max);
                 let accuracy = 1e-5 * cover.solid_of(&mesh).diagonal();

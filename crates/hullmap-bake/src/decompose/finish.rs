@@ -1,7 +1,6 @@
 //! Final hulls of the parts that were found, which together contain the whole surface. If a mirror
 //! halves the mesh, each hull is made with its image.
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{
@@ -60,9 +59,7 @@ impl Finish<'_> {
     /// left. The hulls of a symmetric mesh are symmetric as far as that can be proven.
     pub fn hulls(&self, Halves { whole, mirrored }: Halves) -> Vec<Hull> {
         let Self { mesh, bounds, max_parts, .. } = *self;
-        let corner = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
-        let points: Vec<DVec3> = (0..mesh.positions.len() as u32).map(corner).collect();
-        let sides: Vec<HalfSpace> = large_faces(&Body::new(&points, 0.0)).collect();
+        let sides: Vec<HalfSpace> = large_faces(&Body::new(&mesh.points(), 0.0)).collect();
         let mut units: Vec<Unit> = whole.par_iter().map(|part| self.whole(part, &sides)).collect();
         units.par_extend(mirrored.par_iter().map(|part| self.mirrored(part, &sides)));
         for _ in 0..UNCOVERED_ROUNDS {
@@ -71,7 +68,7 @@ impl Finish<'_> {
             if missing.is_empty() {
                 break;
             }
-            let missing: Vec<Triangle> = missing.into_iter().map(|t| mesh.triangles[t].map(corner)).collect();
+            let missing: Vec<Triangle> = missing.into_iter().map(|t| mesh.corners(&mesh.triangles[t])).collect();
             self.add_rest(&mut units, &missing, max_parts.map_or(usize::MAX, |most| most as usize));
         }
         units.into_iter().flat_map(|unit| [Some(unit.hull), unit.image]).flatten().collect()

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::groups::{find, join};
 use hullmap_geometry::{
+    bits,
     planes::{self, HalfSpace},
     triangle,
 };
@@ -64,9 +65,4 @@ fn connected(polygons: Vec<Vec<DVec3>>) -> Vec<Vec<Vec<DVec3>>> {
         found.entry(find(&mut root, index)).or_default().push(polygon);
     }
     found.into_values().collect()
-}
-
-/// A point as a key. −0 and 0 are equal.
-pub fn bits(p: DVec3) -> [u64; 3] {
-    (p + DVec3::ZERO).to_array().map(f64::to_bits)
 }

@@ -65,7 +65,7 @@ mod tests {
     use shapes::rng::SplitMix64;
 
     use super::*;
-    use crate::hull;
+    use crate::test_meshes::hull_of;
 
     #[test]
     fn triangles_go_to_the_nearest_part() {
@@ -73,7 +73,7 @@ mod tests {
         println!("seed 8");
         let mut point = |size: f64| DVec3::from_array(std::array::from_fn(|_| rng.between(-size, size)));
         let part = |middle: DVec3, corners: [DVec3; 4]| {
-            hull::of_positions(corners.iter().map(|p| (middle + *p).as_vec3().to_array()).collect()).unwrap()
+            hull_of(corners.iter().map(|p| (middle + *p).as_vec3().to_array()).collect())
         };
         let hulls: Vec<Hull> = (0..60).map(|_| part(point(2.0), std::array::from_fn(|_| point(0.3)))).collect();
         let triangles: Vec<Triangle> = (0..200).map(|_| std::array::from_fn(|_| point(2.0))).collect();

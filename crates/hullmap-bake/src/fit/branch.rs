@@ -78,10 +78,14 @@ pub struct Maximum {
     pub measurements: usize,
 }
 
-struct Entry<C> {
-    bound: f64,
-    index: usize,
-    cell: C,
+/// A cell in a queue, of which the one with the greatest bound is the first.
+pub struct Entry<C> {
+    /// Upper bound over the cell.
+    pub bound: f64,
+    /// Number of the cell, by which ties are decided: the lowest is the first.
+    pub index: usize,
+    /// The cell.
+    pub cell: C,
 }
 
 impl<C> PartialEq for Entry<C> {
@@ -98,7 +102,6 @@ impl<C> PartialOrd for Entry<C> {
     }
 }
 
-/// Ties go to the cell measured first.
 impl<C> Ord for Entry<C> {
     fn cmp(&self, other: &Self) -> Ordering {
         self.bound.total_cmp(&other.bound).then(other.index.cmp(&self.index))

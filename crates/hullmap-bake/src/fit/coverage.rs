@@ -29,8 +29,8 @@ use crate::{
     hull::Hull,
     simplify::nearest::Nearest,
 };
-use hullmap_geometry::PointSet;
 use hullmap_geometry::{
+    PointSet, bounds,
     planes::{self, HalfSpace},
     triangle::{self, Triangle},
 };
@@ -75,9 +75,8 @@ pub fn uncovered(mesh: &PointSet, parts: &[&Hull]) -> Uncovered {
 
 /// As [`uncovered()`]. After the deadline, the bound is not improved, but holds.
 pub fn uncovered_until(mesh: &PointSet, parts: &[&Hull], deadline: Option<Deadline>) -> Uncovered {
-    let positions: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
-    let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let positions = mesh.points();
+    let [low, high] = bounds(positions.iter().copied());
     let diagonal = if positions.is_empty() { 0.0 } else { low.distance(high) };
     let parts = Parts::new(parts);
     // Points of a cloud are covered one by one.
@@ -109,16 +108,14 @@ pub fn uncovered_until(mesh: &PointSet, parts: &[&Hull], deadline: Option<Deadli
 /// # Complexity
 /// The cost of [`uncovered()`], with up to 2,000 cells for each triangle.
 pub fn uncovered_triangles(mesh: &PointSet, parts: &[&Hull], limit: f64, deadline: Option<Deadline>) -> Vec<usize> {
-    let at = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
-    let corners = || mesh.triangles.iter().flatten().map(|v| at(*v));
-    let (low, high) = (corners().fold(DVec3::INFINITY, DVec3::min), corners().fold(DVec3::NEG_INFINITY, DVec3::max));
+    let [low, high] = bounds(mesh.triangles.iter().flatten().map(|v| mesh.at(*v)));
     let diagonal = low.distance(high);
     let parts = Parts::new(parts);
     let is_uncovered = |triangle: &[u32; 3]| {
         if is_over(deadline) {
             return false;
         }
-        let (pieces, subtracted) = left_over(&triangle.map(at), &parts, diagonal);
+        let (pieces, subtracted) = left_over(&mesh.corners(triangle), &parts, diagonal);
         let accuracy =
             Accuracy { limit: Some(limit), measurements: OF_A_TRIANGLE, deadline, ..Accuracy::tight(diagonal) };
         let rest = maximum(pieces, &accuracy, |piece: &mut Triangle, _: f64| measured(piece, &parts), triangle::halves);
@@ -186,9 +183,7 @@ impl PartShape {
 /// the part that contains it.
 fn left_over(corners: &Triangle, parts: &Parts, diagonal: f64) -> (Vec<Triangle>, f64) {
     let [outside, error] = INSIDE[0].map(|distance| distance * diagonal);
-    let low = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min) - outside;
-    let high = corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) + outside;
-    let near = parts.solids_near(&Bounds { low, high });
+    let near = parts.solids_near(&Bounds::around(corners).grown(outside));
     let contains =
         |part: &&&PartShape| part.planes.iter().all(|plane| corners.iter().all(|p| plane.height(*p) <= outside));
     let mut left = None;
@@ -231,9 +226,8 @@ fn subtract(corners: &Triangle, parts: &[&PartShape], tolerance: f64) -> (Vec<Tr
 }
 
 fn measured(corners: &Triangle, parts: &Parts) -> Measured {
-    let centre = triangle::centroid(corners);
+    let (centre, radius) = triangle::ball(corners);
     let (bound, reached) = (parts.distance(corners), parts.distance(&[centre]));
-    let radius = corners.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
     let is_empty = parts.all.is_empty();
     Measured { bound: bound.min(reached + radius), reached: if is_empty { 0.0 } else { reached }, at: centre }
 }

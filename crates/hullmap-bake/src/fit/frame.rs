@@ -5,7 +5,7 @@
 use glam::DVec3;
 
 use crate::hull::Hull;
-use hullmap_geometry::{PointSet, triangle};
+use hullmap_geometry::{PointSet, bounds, triangle};
 
 /// Skewness below which a mesh counts as symmetric along an axis, relative to the greatest.
 const SYMMETRIC: f64 = 1e-9;
@@ -23,10 +23,8 @@ impl Frame {
     /// # Complexity
     /// O(n) for n triangles.
     pub fn new(mesh: &PointSet) -> Self {
-        let point = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
-        let triangles = || mesh.triangles.iter().map(|t| t.map(point));
-        let low = triangles().flatten().fold(DVec3::INFINITY, DVec3::min);
-        let high = triangles().flatten().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let triangles = || mesh.triangles.iter().map(|t| mesh.corners(t));
+        let [low, high] = bounds(triangles().flatten());
         let (middle, size) = (0.5 * (low + high), high - low);
         let (mut spread, mut skew, mut most) = (DVec3::ZERO, DVec3::ZERO, 0.0);
         for corners in triangles() {

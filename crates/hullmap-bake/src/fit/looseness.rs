@@ -210,33 +210,24 @@ mod tests {
     use shapes::concave;
 
     use super::*;
-    use crate::hull;
-    use hullmap_geometry::PointSet;
-
-    fn block(low: [f32; 3], high: [f32; 3]) -> Hull {
-        let corner = |i: usize| std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
-        let set = PointSet::of_positions((0..8).map(corner).collect());
-        hull::build(&set).unwrap()
-    }
-
-    fn letter_l() -> PointSet {
-        let l = concave::l();
-        PointSet { triangles: l.fans(), ..PointSet::of_positions(l.vertices) }
-    }
+    use crate::{
+        hull,
+        test_meshes::{box_hull, point_set},
+    };
 
     #[test]
     fn boxes_have_known_overlap_and_protrusion() {
-        let mesh = letter_l();
+        let mesh = point_set(&concave::l());
         let (solid, whole) = (Solid::new(&mesh), hull::build(&mesh).unwrap());
         let [low, high] = solid.bounds().map(|p| p.as_vec3());
-        let around = block(low.to_array(), high.to_array());
+        let around = box_hull(low.to_array(), high.to_array());
         let twice = looseness(&solid, &whole, &[&around, &around]);
         assert!((twice.overlap - 1.0).abs() < 1e-9 && twice.overlap_error < 1e-3, "{twice:?}");
         let size = high - low;
-        let half = block(low.to_array(), [low.x + 0.5 * size.x, high.y, high.z]);
+        let half = box_hull(low.to_array(), [low.x + 0.5 * size.x, high.y, high.z]);
         let found = looseness(&solid, &whole, &[&around, &half]);
         assert!((found.overlap - 0.5).abs() <= found.overlap_error && found.overlap_error < 0.01, "{found:?}");
-        let beside = block([high.x + 1.0, low.y, low.z], [high.x + 2.0, high.y, high.z]);
+        let beside = box_hull([high.x + 1.0, low.y, low.z], [high.x + 2.0, high.y, high.z]);
         let found = looseness(&solid, &whole, &[&around, &beside]);
         // The hull's slanted side is in the plane 2 x + y = 5, the farthest corner at (4, 3).
         assert!(found.overlap == 0.0 && (found.outside_hull - 6.0 / 5.0_f64.sqrt()).abs() < 1e-6, "{found:?}");
@@ -263,15 +254,15 @@ mod tests {
 
     #[test]
     fn faces_between_parts_are_not_visible() {
-        let mesh = letter_l();
+        let mesh = point_set(&concave::l());
         let (solid, whole) = (Solid::new(&mesh), hull::build(&mesh).unwrap());
         let [low, high] = solid.bounds().map(|p| p.as_vec3().to_array());
         let mean = |parts: &[&Hull]| looseness(&solid, &whole, parts).mean_protrusion;
-        let undivided = mean(&[&block(low, high)]);
+        let undivided = mean(&[&box_hull(low, high)]);
         let middle = 0.5 * (low[0] + high[0]);
         for reach in [0.0, 0.1] {
-            let left = block(low, [middle + reach, high[1], high[2]]);
-            let right = block([middle - reach, low[1], low[2]], high);
+            let left = box_hull(low, [middle + reach, high[1], high[2]]);
+            let right = box_hull([middle - reach, low[1], low[2]], high);
             let divided = mean(&[&left, &right]);
             // The overlap in the planes of the box's sides counts twice.
             let error = if reach > 0.0 { 0.1 } else { 0.03 };

@@ -26,16 +26,17 @@ use rayon::prelude::*;
 
 use super::{
     closing,
-    solid::{MERGE_DISTANCE, ROUNDING, SHEET, merge_open, merged},
-    triangle_tree::TriangleTree,
+    solid::{MERGE_DISTANCE, SHEET, merge_open, merged},
     winding::ClosedSurface,
 };
 use crate::{
     mass::{Mass, Simplices, entries, outer},
     spread::spread,
 };
-use hullmap_geometry::PointSet;
-use hullmap_geometry::triangle::{self, Triangle};
+use hullmap_geometry::{
+    PointSet, bounds,
+    triangle::{Triangle, from_least},
+};
 
 /// Grid cells along each edge of the mesh's box to find overlaps: smaller ones may be missed.
 const SEARCHED_CELLS: usize = 16;
@@ -53,8 +54,7 @@ const MEASURED_CELLS: usize = 32;
 /// O((n + p) log n) for n triangles and p points, on all threads of the pool; p is constant.
 pub fn mesh_mass(mesh: &PointSet) -> Option<Mass> {
     let triangles = closed(mesh)?;
-    let corners = || triangles.iter().flatten().copied();
-    let bounds = [corners().fold(DVec3::INFINITY, DVec3::min), corners().fold(DVec3::NEG_INFINITY, DVec3::max)];
+    let bounds = bounds(triangles.iter().flatten().copied());
     let origin = (bounds[0] + bounds[1]) / 2.0;
     let (mut sum, mut area) = (Compensated::default(), 0.0);
     for [a, b, c] in &triangles {
@@ -65,16 +65,8 @@ pub fn mesh_mass(mesh: &PointSet) -> Option<Mass> {
     }
     let mut total = sum.total();
     let sign = if total.measure < 0.0 { -1.0 } else { 1.0 };
-    let surface = ClosedSurface {
-        counts: vec![true; triangles.len()],
-        tree: TriangleTree::new(&triangles),
-        diagonal: bounds[0].distance(bounds[1]),
-        bounds,
-        moved: 0.0,
-        rounding: ROUNDING * bounds[0].abs().max(bounds[1].abs()).max_element(),
-        needles: triangles.iter().map(triangle::needle).fold(0.0, f64::max),
-        triangles,
-    };
+    let counts = vec![true; triangles.len()];
+    let surface = ClosedSurface::new(triangles, counts, bounds, 0.0);
     let excess = excess(&surface, sign as i32, origin);
     total.measure = total.measure * sign - excess.measure;
     total.first = total.first * sign - excess.first;
@@ -94,13 +86,11 @@ fn closed(mesh: &PointSet) -> Option<Vec<Triangle>> {
     if mesh.triangles.is_empty() {
         return None;
     }
-    let source: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
-    let (positions, indices) = merged(mesh, &source);
+    let (positions, indices) = merged(mesh);
     let mut net = net(&indices);
     let boundary = closing::boundary(&net);
     if !boundary.is_empty() {
-        let used = || indices.iter().flatten().map(|v| positions[*v as usize]);
-        let [low, high] = [used().fold(DVec3::INFINITY, DVec3::min), used().fold(DVec3::NEG_INFINITY, DVec3::max)];
+        let [low, high] = bounds(indices.iter().flatten().map(|v| positions[*v as usize]));
         let ends = boundary.iter().flat_map(|(from, to)| std::iter::once(from).chain(to));
         let open: Vec<DVec3> = ends.map(|v| positions[*v as usize]).collect();
         let joined = merge_open(&positions, &open, MERGE_DISTANCE * low.distance(high))?;
@@ -121,13 +111,7 @@ fn net(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
             continue;
         }
         // The lowest corner first. The order of the others states the orientation.
-        let [a, b, c] = if a < b && a < c {
-            [a, b, c]
-        } else if b < c {
-            [b, c, a]
-        } else {
-            [c, a, b]
-        };
+        let [a, b, c] = from_least([a, b, c]);
         keys.push(if b < c { ([a, b, c], 1) } else { ([a, c, b], -1) });
     }
     keys.par_sort_unstable();

@@ -71,7 +71,7 @@ impl Peaks {
                 boxes.push([centre - half, centre + half]);
                 continue;
             }
-            let axis = (0..3).fold(0, |longest, axis| if half[axis] > half[longest] { axis } else { longest });
+            let axis = half.max_position();
             let mut smaller = half;
             smaller[axis] *= 0.5;
             for side in [-1.0, 1.0] {

@@ -32,6 +32,7 @@ use super::{
 };
 use crate::hull::Hull;
 use hullmap_geometry::{
+    bounds,
     planes::{self, HalfSpace},
     triangle::{self, Triangle},
 };
@@ -118,15 +119,13 @@ fn on_surface(solid: &Solid, part: &Hull, accuracy: &Accuracy) -> Maximum {
     let rims = RIMS.map(|rim| rim * accuracy.absolute.max(accuracy.limit.unwrap_or(0.0)));
     let mut failures = 0_usize;
     let measure = |facet: &mut Facet, best: f64| {
-        let centre = triangle::centroid(&facet.corners);
-        let radius = facet.corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
+        let (centre, radius) = triangle::ball(&facet.corners);
         let Some(near) = solid.near_beside(centre, facet.within, facet.hint.as_ref()) else {
             return Measured { bound: facet.within + radius, reached: 0.0, at: centre };
         };
         facet.hint = Some(near.triangle);
         facet.within = near.distance + 2.0 * radius;
-        let to_corners =
-            facet.corners.iter().map(|p| triangle::nearest(&near.triangle, *p).distance(*p)).fold(0.0, f64::max);
+        let to_corners = triangle::farthest(&facet.corners, &near.triangle);
         let mut bound = near.distance + radius;
         if near.is_whole {
             bound = bound.min(to_corners.max(near.distance));
@@ -178,7 +177,7 @@ fn in_pieces(solid: &Solid, corners: &Triangle, enough: f64) -> Option<f64> {
         let mut left = Vec::with_capacity(pieces.len());
         for piece in pieces {
             let (close, rest) = planes::divide(&piece, &around, 0.0);
-            let distance = close.iter().map(|p| triangle::nearest(triangle, *p).distance(*p)).fold(0.0, f64::max);
+            let distance = triangle::farthest(&close, triangle);
             if close.is_empty() || distance > enough {
                 left.push(piece);
             } else {
@@ -235,9 +234,8 @@ fn is_inside_around(solid: &Solid, polygon: &[DVec3], centre: DVec3) -> bool {
         HalfSpace { normal: -normal, offset: thickness - offset },
     ];
     region.append(&mut planes::around(polygon, normal));
-    let low = polygon.iter().copied().fold(DVec3::INFINITY, DVec3::min) - thickness;
-    let high = polygon.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) + thickness;
-    let near = solid.triangles_in(low, high);
+    let [low, high] = bounds(polygon.iter().copied());
+    let near = solid.triangles_in(low - thickness, high + thickness);
     if near.len() > MAX_TESTED {
         return false;
     }
@@ -290,9 +288,8 @@ fn in_plane(solid: &Solid, face: &[DVec3]) -> Vec<Triangle> {
     let area: DVec3 = face.windows(2).map(|edge| (edge[0] - face[0]).cross(edge[1] - face[0])).sum();
     let Some(normal) = area.try_normalize() else { return Vec::new() };
     let margin = IN_PLANE * solid.diagonal();
-    let low = face.iter().copied().fold(DVec3::INFINITY, DVec3::min) - margin;
-    let high = face.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) + margin;
-    let mut indices = solid.surface_in(low, high);
+    let [low, high] = bounds(face.iter().copied());
+    let mut indices = solid.surface_in(low - margin, high + margin);
     indices.sort_unstable();
     let triangles = indices.into_iter().map(|index| solid.triangles()[index as usize]);
     triangles.filter(|corners| corners.iter().all(|p| normal.dot(*p - face[0]).abs() <= margin)).collect()
@@ -322,9 +319,7 @@ fn inside(solid: &Solid, part: &Hull, accuracy: &Accuracy, surface: Maximum, pea
         Some(limit) => limit.max(surface.bound + CAVITY_LIMITED * diagonal),
         None => surface.bound + (CAVITY_RELATIVE * surface.bound).max(CAVITY_ABSOLUTE * diagonal),
     };
-    let positions = part.positions();
-    let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let [low, high] = bounds(part.positions());
     let boxes = peak_boxes(peaks, [low, high], enough);
     if boxes.is_empty() {
         return surface;
@@ -372,7 +367,7 @@ fn cavity_accuracy(accuracy: &Accuracy, enough: f64, diagonal: f64) -> Accuracy 
 }
 
 fn halves(cell: &PartBox) -> [PartBox; 2] {
-    let axis = (0..3).fold(0, |longest, axis| if cell.half[axis] > cell.half[longest] { axis } else { longest });
+    let axis = cell.half.max_position();
     let mut half = cell.half;
     half[axis] *= 0.5;
     [-1.0, 1.0].map(|side| {

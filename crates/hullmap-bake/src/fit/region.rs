@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::hull::Hull;
-use hullmap_geometry::planes::HalfSpace;
+use hullmap_geometry::{bounds, planes::HalfSpace};
 
 /// The points of a solid hull.
 pub struct Region {
@@ -15,12 +15,8 @@ pub struct Region {
 impl Region {
     /// The points of a hull of rank 3.
     pub fn new(hull: &Hull) -> Self {
-        let points = hull.positions();
-        Self {
-            planes: hull.half_spaces(),
-            low: points.iter().copied().fold(DVec3::INFINITY, DVec3::min),
-            high: points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max),
-        }
+        let [low, high] = bounds(hull.positions());
+        Self { planes: hull.half_spaces(), low, high }
     }
 
     /// The half-spaces that do not contain all of a box.

@@ -19,6 +19,7 @@ use glam::DVec3;
 
 use super::winding::ClosedSurface;
 use hullmap_geometry::{
+    bounds,
     planes::{self, HalfSpace},
     triangle::{self, Triangle},
 };
@@ -70,8 +71,7 @@ impl Polygon {
 
     /// The corners of the box around the polygon.
     pub fn bounds(&self) -> [DVec3; 2] {
-        let fold = |start, least: fn(DVec3, DVec3) -> DVec3| self.corners.iter().copied().fold(start, least);
-        [fold(DVec3::INFINITY, DVec3::min), fold(DVec3::NEG_INFINITY, DVec3::max)]
+        bounds(self.corners.iter().copied())
     }
 
     /// Pieces of the polygon that none of `others` crosses. `None` if there are too many, or if the

@@ -39,18 +39,14 @@ use super::{
     walls::SolidRule,
     winding::{ClosedSurface, Doubt, RAYS, ray_direction},
 };
-use hullmap_geometry::PointSet;
 use hullmap_geometry::{
+    PointSet, bits, bounds,
     planes::HalfSpace,
     triangle::{self, Triangle},
 };
 
 /// Distance below which vertices of an open boundary are merged, relative to the diagonal.
 pub(super) const MERGE_DISTANCE: f64 = 1e-6;
-
-/// Bound on rounding errors of lengths, relative to the greatest coordinate. A point this close to
-/// a triangle is on it.
-pub(super) const ROUNDING: f64 = 1e-12;
 
 /// Distance from a closing triangle at which either side is tested, relative to the diagonal.
 const BESIDE: f64 = 1e-9;
@@ -121,11 +117,9 @@ impl Solid {
 
     /// The solid of a mesh that is in its frame. In the frame of the source, it is the same.
     pub fn in_frame(mesh: &PointSet, rule: SolidRule) -> Self {
-        let source: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
-        let used = || mesh.triangles.iter().flatten().map(|v| source[*v as usize]);
-        let bounds = [used().fold(DVec3::INFINITY, DVec3::min), used().fold(DVec3::NEG_INFINITY, DVec3::max)];
+        let bounds = bounds(mesh.triangles.iter().flatten().map(|v| mesh.at(*v)));
         let diagonal = if mesh.triangles.is_empty() { 0.0 } else { bounds[0].distance(bounds[1]) };
-        let (positions, mut indices) = merged(mesh, &source);
+        let (positions, mut indices) = merged(mesh);
         let mut distinct = distinct(&indices);
         if let Some(outward) = outward_layers(&positions, &indices, &distinct, bounds) {
             distinct = outward;
@@ -171,12 +165,8 @@ impl Solid {
     }
 
     fn of_triangles(triangles: Vec<Triangle>, counts: Vec<bool>, bounds: [DVec3; 2], moved: f64) -> Self {
-        let diagonal = if triangles.is_empty() { 0.0 } else { bounds[0].distance(bounds[1]) };
-        let tree = TriangleTree::new(&triangles);
-        let rounding = ROUNDING * bounds[0].abs().max(bounds[1].abs()).max_element().max(0.0);
-        let needles = triangles.iter().map(triangle::needle).fold(0.0, f64::max);
         let mesh_count = triangles.len();
-        let surface = ClosedSurface { triangles, counts, tree, diagonal, bounds, moved, rounding, needles };
+        let surface = ClosedSurface::new(triangles, counts, bounds, moved);
         Self { surface, mesh_count, is_whole: Vec::new(), is_hollow: false, kind: SolidKind::Walls }
     }
 
@@ -422,9 +412,10 @@ impl Solid {
 
 /// Distinct positions in an order that does not depend on the mesh's, and the mesh's triangles as
 /// their indices.
-pub(super) fn merged(mesh: &PointSet, source: &[DVec3]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+pub(super) fn merged(mesh: &PointSet) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let source = mesh.points();
     let mut order: Vec<u32> = (0..source.len() as u32).collect();
-    let key = |v: u32| (source[v as usize] + 0.0).to_array().map(f64::to_bits);
+    let key = |v: u32| bits(source[v as usize]);
     order.sort_unstable_by_key(|v| key(*v));
     let (mut index, mut positions) = (vec![0; source.len()], Vec::new());
     for same in order.chunk_by(|a, b| key(*a) == key(*b)) {
@@ -464,9 +455,8 @@ fn outward_layers(
     bounds: [DVec3; 2],
 ) -> Option<Vec<bool>> {
     let mut seen = HashSet::new();
-    let turned = |&[a, b, c]: &[u32; 3]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min();
-    let sides: Vec<bool> =
-        triangles.iter().map(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0] && seen.insert(turned(t))).collect();
+    let is_new = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0] && seen.insert(triangle::from_least(*t));
+    let sides: Vec<bool> = triangles.iter().map(is_new).collect();
     let corners: Vec<Triangle> = triangles.iter().map(|t| t.map(|v| positions[v as usize])).collect();
     let diagonal = bounds[0].distance(bounds[1]);
     let may_cancel = is_flat(&corners, &sides, diagonal) && closing::boundary(&chosen(triangles, &sides)).is_empty();
@@ -494,8 +484,7 @@ fn close(positions: &[DVec3], indices: &mut [[u32; 3]], distinct: &[bool]) -> Ve
 /// # Complexity
 /// O(n log n) for n triangles.
 pub fn reversed(mesh: &PointSet) -> (Vec<usize>, bool) {
-    let source: Vec<DVec3> = mesh.positions.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
-    let indices = merged(mesh, &source).1;
+    let indices = merged(mesh).1;
     let distinct = distinct(&indices);
     let places: Vec<usize> = (0..indices.len()).filter(|index| distinct[*index]).collect();
     let mut chosen = chosen(&indices, &distinct);
@@ -510,15 +499,14 @@ fn chosen(triangles: &[[u32; 3]], distinct: &[bool]) -> Vec<[u32; 3]> {
 /// For each vertex, the vertex with which it is merged: those at `open` positions that are closer
 /// than `distance` to an earlier one. `None` if no vertices are merged.
 pub(super) fn merge_open(positions: &[DVec3], open: &[DVec3], distance: f64) -> Option<Vec<u32>> {
-    let bits = |p: DVec3| (p + 0.0).to_array().map(f64::to_bits);
-    let open: std::collections::HashSet<[u64; 3]> = open.iter().map(|p| bits(*p)).collect();
+    let open: HashSet<[u64; 3]> = open.iter().map(|p| bits(*p)).collect();
     let mut merged: Vec<u32> = (0..positions.len() as u32).collect();
     let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
     let mut is_changed = false;
     if !(distance > 0.0) {
         return None;
     }
-    let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let [low, _] = bounds(positions.iter().copied());
     for (v, &p) in positions.iter().enumerate() {
         if !open.contains(&bits(p)) {
             continue;

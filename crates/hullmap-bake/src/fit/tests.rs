@@ -1,133 +1,89 @@
 //! Compares bounds with samplers and slow twins that share no code with them.
 
 use glam::DVec3;
-use shapes::{concave, rng::SplitMix64};
+use shapes::{concave, rng::SplitMix64, solids::extrusion};
 
 use super::sides::{Polygon, are_sides_inside};
 use super::*;
 use super::{peaks::Peaks, protrusion::protrusion_beside};
 use crate::{
-    hull::{self, Hull},
+    hull::Hull,
     simplify::nearest::Nearest,
+    test_meshes::{
+        block, box_hull, doubled, hull_of, in_triangle, inside_out, joined, mesh, open_block, point_set, surface_of,
+        turned,
+    },
 };
-use hullmap_geometry::PointSet;
-use hullmap_geometry::planes::HalfSpace;
-use hullmap_geometry::triangle;
+use hullmap_geometry::{PointSet, planes::HalfSpace, triangle};
 
-fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> PointSet {
-    PointSet { triangles: triangles.to_vec(), ..PointSet::of_positions(positions.to_vec()) }
-}
-
-fn hull_of(positions: &[[f32; 3]]) -> Hull {
-    hull::build(&mesh(positions, &[])).unwrap()
-}
-
-fn block(low: [f32; 3], high: [f32; 3], inside_out: bool) -> PointSet {
-    let corner = |i: usize| std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] });
-    let corners: Vec<[f32; 3]> = (0..8).map(corner).collect();
-    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let mut triangles: Vec<[u32; 3]> = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    if inside_out {
-        triangles.iter_mut().for_each(|t| t.swap(0, 1));
-    }
-    mesh(&corners, &triangles)
-}
-
-fn joined(meshes: &[PointSet]) -> PointSet {
-    let mut all = PointSet::default();
-    for part in meshes {
-        let first = all.positions.len() as u32;
-        all.positions.extend(&part.positions);
-        all.triangles.extend(part.triangles.iter().map(|t| t.map(|v| v + first)));
-    }
-    all.source_vertices = (0..all.positions.len() as u32).collect();
-    all
-}
-
+/// Each arm is one wide, and one longer than that.
 fn letter_l() -> PointSet {
-    let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
-    let positions: Vec<[f32; 3]> =
-        [0.0, 1.0].into_iter().flat_map(|z| outline.map(|[x, y]: [f32; 2]| [x, y, z])).collect();
-    let mut triangles = Vec::new();
-    for [a, b, c] in [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]] {
-        triangles.extend([[c, b, a], [a + 6, b + 6, c + 6]]);
-    }
-    for i in 0..6 {
-        let j = (i + 1) % 6;
-        triangles.extend([[i, j, j + 6], [i, j + 6, i + 6]]);
-    }
-    mesh(&positions, &triangles)
+    let mut l = extrusion(&[[1.0, 1.0], [1.0, 2.0], [0.0, 2.0], [0.0, 0.0], [2.0, 0.0], [2.0, 1.0]], 0.0, 1.0);
+    // Both caps are fans from the concave corner.
+    l.faces[0].rotate_right(1);
+    point_set(&l)
 }
 
 fn tight(solid: &Solid, part: &Hull) -> Protrusion {
     protrusion(solid, part, &Accuracy::tight(solid.diagonal()))
 }
 
+/// The last two numbers are the least and the greatest bound.
 #[test]
-fn a_box_does_not_protrude_from_itself() {
-    let cube = block([0.0; 3], [1.0, 2.0, 3.0], false);
-    let solid = Solid::new(&cube);
-    assert_eq!(solid.kind(), SolidKind::Watertight);
-    let found = tight(&solid, &hull_of(&cube.positions));
-    assert!(found.bound < 1e-9, "{found:?}");
-    let covered = uncovered(&cube, &[&hull_of(&cube.positions)]);
-    assert!(covered.bound < 1e-11, "{covered:?}");
-}
-
-#[test]
-fn a_larger_box_protrudes_by_its_corners() {
-    let cube = block([0.0; 3], [1.0; 3], false);
-    let part = hull_of(&block([-0.25; 3], [1.25; 3], false).positions);
-    let found = tight(&Solid::new(&cube), &part);
-    let truth = 0.25 * 3.0_f64.sqrt();
-    assert!(found.bound >= truth && found.bound < 1.006 * truth, "{found:?}");
-    assert!(found.reached > 0.98 * truth, "{found:?}");
-}
-
-#[test]
-fn the_hull_of_an_l_protrudes_by_a_half() {
-    let l = letter_l();
-    for inside_out in [false, true] {
-        let mut l = l.clone();
-        if inside_out {
-            l.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-        }
-        let solid = Solid::new(&l);
-        assert_eq!(solid.kind(), SolidKind::Watertight);
-        let part = hull_of(&l.positions);
+fn known_parts_protrude_by_known_lengths() {
+    use SolidKind::{Closed, Walls, Watertight};
+    let (unit, l, open) = (block([0.0; 3], [1.0; 3]), letter_l(), open_block([0.0; 3], [1.0; 3]));
+    let hollow = joined(&[block([-1.0; 3], [1.0; 3]), inside_out(block([-0.75; 3], [0.75; 3]))]);
+    let sheet = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let sheet = mesh(sheet, vec![[0, 1, 2], [0, 2, 3]]);
+    let own = |mesh: &PointSet| hull_of(mesh.positions.clone());
+    let corner = 0.25 * 3.0_f64.sqrt();
+    let (larger, taller) = (box_hull([-0.25; 3], [1.25; 3]), box_hull([0.0; 3], [1.0, 1.0, 1.1]));
+    let above = box_hull([0.0; 3], [1.0, 1.0, 0.25]);
+    let (empty, any, nothing) = (PointSet::default(), hull_of(vec![[0.0; 3], [1.0; 3]]), f64::INFINITY);
+    let (auto, closed) = (SolidRule::Auto, SolidRule::Closed);
+    for (name, mesh, rule, kind, part, least, most) in [
+        ("a box in itself", &unit, auto, Watertight, own(&unit), 0.0, 1e-9),
+        ("a larger box", &unit, auto, Watertight, larger.clone(), corner, 1.006 * corner),
+        ("the hull of an L", &l, auto, Watertight, own(&l), 0.5, 0.5026),
+        ("of one inside out", &inside_out(l.clone()), auto, Watertight, own(&l), 0.5, 0.5026),
+        ("over a cavity", &hollow, auto, Watertight, own(&hollow), 0.75, 0.85),
+        ("a closed box in itself", &open, closed, Closed, own(&open), 0.0, 1e-5),
+        ("taller than a closed box", &open, closed, Closed, taller, 0.0999, 0.102),
+        ("above a sheet", &sheet, auto, Walls, above, 0.25, 0.2513),
+        ("a sheet in itself", &sheet, auto, Walls, own(&sheet), 0.0, 1e-9),
+        ("around nothing", &empty, auto, Walls, any, nothing, nothing),
+    ] {
+        let solid = Solid::by(mesh, rule);
+        assert_eq!(solid.kind(), kind, "{name}");
         let found = tight(&solid, &part);
-        assert!(found.bound >= 0.5 && found.bound < 0.5026, "{found:?}");
-        assert!(protrusion(&solid, &part, &Accuracy::decide(0.501)).bound <= 0.501);
-        assert!(protrusion(&solid, &part, &Accuracy::decide(0.499)).bound > 0.499);
+        assert!((least..=most).contains(&found.bound) && found.reached <= found.bound, "{name}: {found:?}");
+        let is_within = |limit: f64| protrusion(&solid, &part, &Accuracy::decide(limit)).bound <= limit;
+        assert!(least == 0.0 || least == nothing || !is_within(0.998 * least), "{name}");
+        if mesh.triangles.len() == l.triangles.len() {
+            assert!(is_within(0.501), "{name}");
+        }
     }
-}
-
-#[test]
-fn a_cavity_counts() {
-    let hollow = joined(&[block([-1.0; 3], [1.0; 3], false), block([-0.75; 3], [0.75; 3], true)]);
-    let solid = Solid::new(&hollow);
-    assert!(!solid.is_inside(DVec3::splat(0.1)) && solid.is_inside(DVec3::splat(0.9)));
-    let found = tight(&solid, &hull_of(&hollow.positions));
-    assert!(found.bound >= 0.75 && found.bound < 0.85, "{found:?}");
-    let decided = protrusion(&solid, &hull_of(&hollow.positions), &Accuracy::decide(0.7));
-    assert!(decided.bound > 0.7, "{decided:?}");
+    let found = tight(&Solid::new(&unit), &larger);
+    assert!(found.reached > 0.98 * corner, "{found:?}");
 }
 
 /// Known local maxima change no decision, and a cavity is one.
 #[test]
 fn local_maxima_change_no_decision() {
-    let hollow = |size: f32| joined(&[block([0.0; 3], [4.0; 3], false), block([2.0 - size; 3], [2.0 + size; 3], true)]);
+    let around = block([0.0; 3], [4.0; 3]);
+    let hollow = |size: f32| joined(&[around.clone(), inside_out(block([2.0 - size; 3], [2.0 + size; 3]))]);
     let mut rng = SplitMix64::new(9);
     let mut decided = [0, 0];
-    for mesh in [block([0.0; 3], [4.0; 3], false), hollow(0.5), hollow(1.5), letter_l()] {
+    for mesh in [around.clone(), hollow(0.5), hollow(1.5), letter_l()] {
         let solid = Solid::new(&mesh);
         for limit in [0.3, 0.49, 0.51, 1.0, 1.6] {
             let peaks = Peaks::new(&solid, 0.8 * limit, 1_000_000, None).expect("the maxima are found");
             for _ in 0..12 {
                 let [a, b] = [0, 1].map(|_| [0; 3].map(|_: i32| rng.between(-0.3, 4.3) as f32));
                 let part = [0, 1, 2].map(|i| [a[i].min(b[i]), a[i].max(b[i]) + 0.1]);
-                let part = hull_of(&block(part.map(|p| p[0]), part.map(|p| p[1]), false).positions);
-                for part in [&part, &hull_of(&mesh.positions)] {
+                let part = box_hull(part.map(|p| p[0]), part.map(|p| p[1]));
+                for part in [&part, &hull_of(mesh.positions.clone())] {
                     let accuracy = Accuracy::decide(limit);
                     let without = protrusion(&solid, part, &accuracy).bound <= limit;
                     let with = protrusion_beside(&solid, part, &accuracy, Some(&peaks)).bound <= limit;
@@ -143,17 +99,16 @@ fn local_maxima_change_no_decision() {
 /// Climbs from random points to local maxima, by steps that are halved where none leads farther.
 #[test]
 fn every_local_maximum_is_in_a_box() {
-    let shape = |found: &shapes::mesh::Mesh| mesh(&found.vertices, &found.fans());
     let seed = 12;
     println!("seed {seed}");
     let mut rng = SplitMix64::new(seed);
-    let mut open = shape(&concave::mug(24));
+    let mut open = point_set(&concave::mug(24));
     open.triangles.drain(..30);
     let (mut found, mut boxes) = (0, 0);
     for (mesh, above) in [
-        (shape(&concave::mug(24)), 0.1),
-        (shape(&concave::pipe(16)), 0.1),
-        (shape(&concave::bowl(16, 5)), 0.05),
+        (point_set(&concave::mug(24)), 0.1),
+        (point_set(&concave::pipe(16)), 0.1),
+        (point_set(&concave::bowl(16, 5)), 0.05),
         (open, 0.1),
     ] {
         let solid = Solid::new(&mesh);
@@ -190,11 +145,11 @@ fn every_local_maximum_is_in_a_box() {
 /// part. Within a tolerance, the first part seems to contain all of it, with an error.
 #[test]
 fn a_triangle_in_two_parts_is_covered_exactly() {
-    let triangle = mesh(&[[0.0, 0.0, 0.0], [0.6, 0.0, 0.0], [0.0, 0.6, 0.0]], &[[0, 1, 2]]);
+    let triangle = mesh(vec![[0.0, 0.0, 0.0], [0.6, 0.0, 0.0], [0.0, 0.6, 0.0]], vec![[0, 1, 2]]);
     let top = |x: f32| 3e-8 - 3.3e-7 * x;
     let corners = [-0.1, 0.7].map(|x: f32| [-0.1, 0.7].map(|y: f32| [[x, y, -0.3], [x, y, top(x)]]));
-    let leaning = hull_of(corners.as_flattened().as_flattened());
-    let other = hull::build(&block([0.05, -0.1, -0.3], [0.7, 0.7, 0.1], false)).unwrap();
+    let leaning = hull_of(corners.as_flattened().concat());
+    let other = box_hull([0.05, -0.1, -0.3], [0.7, 0.7, 0.1]);
     let bound = |parts: &[&Hull]| uncovered(&triangle, parts).bound;
     let one = bound(&[&leaning]);
     assert!(one > 1.5e-7 && one < 2e-7, "{one}");
@@ -202,74 +157,81 @@ fn a_triangle_in_two_parts_is_covered_exactly() {
     assert!(both < 1e-11, "{both}");
 }
 
-/// Mouths, of one layer and of two, are open. Small holes of a surface with one side are closed,
-/// and so is whatever has no holes.
+/// The other sides of a box's quads, along the other diagonals, so that no triangle is repeated.
+fn two_sided(mesh: &PointSet) -> PointSet {
+    let mut both = mesh.clone();
+    for pair in mesh.triangles.chunks_exact(2) {
+        let ([a, b, c], d) = (pair[0], pair[1][2]);
+        both.triangles.extend([[a, d, b], [d, c, b]]);
+    }
+    both
+}
+
+/// Numbers stand for points with three equal coordinates: first inside, then outside. Mouths, of
+/// one layer and of two, are open. Small holes of a surface with one side are closed, and so is
+/// whatever has no holes. An apple beside a bowl stays solid.
 #[test]
 fn openings_are_kept_and_holes_are_closed() {
     use SolidKind::{Closed, Walls, Watertight};
-    let without = |mesh: &PointSet, range: std::ops::Range<usize>| {
-        let mut mesh = mesh.clone();
-        mesh.triangles.drain(range);
-        mesh
-    };
-    let doubled = |mesh: &PointSet| {
-        let mut mesh = mesh.clone();
-        mesh.triangles.extend(mesh.triangles.clone().into_iter().map(|[a, b, c]| [a, c, b]));
-        mesh
-    };
-    let cube = block([0.0; 3], [1.0; 3], false);
-    // A quad of its 600 is missing.
+    let cube = block([0.0; 3], [1.0; 3]);
+    let open = open_block([0.0; 3], [1.0; 3]);
     let rings = (1..20).map(|i| f64::from(i) * std::f64::consts::PI / 20.0).map(|a| [libm::sin(a), -libm::cos(a)]);
     let profile: Vec<[f64; 2]> = [[0.0, -1.0]].into_iter().chain(rings).chain([[0.0, 1.0]]).collect();
-    let ball = shapes::solids::lathe(&profile, 30);
-    let ball = mesh(&ball.vertices, &ball.fans());
-    let scan = without(&ball, 300..302);
-    for (name, mesh, rule, expected) in [
-        ("cube", &cube, SolidRule::Auto, Watertight),
-        ("cube", &cube, SolidRule::Walls, Walls),
-        ("box", &without(&cube, 2..4), SolidRule::Auto, Walls),
-        ("box", &without(&cube, 2..4), SolidRule::Closed, Closed),
-        ("box of two layers", &doubled(&without(&cube, 2..4)), SolidRule::Auto, Walls),
-        ("cube of two layers", &doubled(&cube), SolidRule::Auto, Watertight),
-        ("scan", &scan, SolidRule::Auto, Closed),
-        ("scan", &scan, SolidRule::Walls, Walls),
-        ("bottle of two layers", &doubled(&scan), SolidRule::Auto, Walls),
+    let mut scan = point_set(&shapes::solids::lathe(&profile, 30));
+    // A quad of its 600 is missing.
+    scan.triangles.drain(300..302);
+    let opposite = joined(&[cube.clone(), inside_out(block([2.0; 3], [3.0; 3]))]);
+    let apple = joined(&[open.clone(), block([3.0; 3], [4.0; 3])]);
+    let around = joined(&[cube.clone(), block([-1.0; 3], [2.0; 3])]);
+    let hollow = joined(&[block([-1.0; 3], [1.0; 3]), inside_out(block([-0.75; 3], [0.75; 3]))]);
+    // Each triangle has its own corners, which differ by rounding.
+    let mut rng = SplitMix64::new(5);
+    let corners = cube.triangles.iter().flatten().map(|v| cube.positions[*v as usize]);
+    let split = corners.map(|p| p.map(|c| c + (rng.unit() as f32 - 0.5) * 3e-7)).collect();
+    let split = mesh(split, (0..12).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect());
+    let on_itself = joined(&[cube.clone(), inside_out(cube.clone())]);
+    let [auto, closed, walls] = SolidRule::ALL;
+    for (name, mesh, rule, expected, inside, outside) in [
+        ("cube", &cube, auto, Watertight, &[0.5][..], &[1.1][..]),
+        ("cube", &cube, walls, Walls, &[], &[0.5]),
+        ("cube of split vertices", &split, auto, Watertight, &[0.5], &[1.1]),
+        ("cube of two layers", &doubled(cube.clone()), auto, Watertight, &[0.5], &[1.1]),
+        ("cube on cube", &on_itself, auto, Watertight, &[0.5], &[1.1]),
+        ("cube of other diagonals", &two_sided(&cube), auto, Watertight, &[0.3], &[1.4, 2.2]),
+        ("cubes of other diagonals", &two_sided(&around), auto, Watertight, &[0.3, 1.4], &[2.2]),
+        ("opposite cubes", &opposite, auto, Watertight, &[0.5, 2.5], &[1.5]),
+        ("cavity", &hollow, auto, Watertight, &[0.9], &[0.1]),
+        ("box", &open, auto, Walls, &[], &[0.5]),
+        ("box", &open, closed, Closed, &[0.5], &[1.1]),
+        ("box of two layers", &doubled(open.clone()), auto, Walls, &[], &[0.5]),
+        ("box of other diagonals", &two_sided(&open), auto, Walls, &[], &[0.5]),
+        ("bowl and apple", &apple, auto, Walls, &[3.5], &[0.5]),
+        ("bowl and apple", &apple, walls, Walls, &[], &[0.5, 3.5]),
+        ("scan", &scan, auto, Closed, &[0.0], &[0.6]),
+        ("scan", &scan, walls, Walls, &[], &[0.0]),
+        ("bottle of two layers", &doubled(scan.clone()), auto, Walls, &[], &[0.0]),
     ] {
         let solid = Solid::by(mesh, rule);
-        assert_eq!(solid.kind(), expected, "{name}, {rule}");
-        let [low, high] = solid.bounds();
-        assert_eq!(solid.is_inside(low.midpoint(high)), expected != Walls, "{name}, {rule}");
+        assert_eq!((solid.kind(), solid.is_hollow()), (expected, inside.is_empty()), "{name}, {rule}");
         assert_eq!(solid.triangles().len() > solid.mesh_count(), expected == Closed, "{name}, {rule}");
+        let is_inside = |x: &f64| solid.is_inside(DVec3::splat(*x));
+        assert!(inside.iter().all(is_inside) && !outside.iter().any(is_inside), "{name}, {rule}");
     }
 }
 
-/// An apple beside a bowl stays solid, and so does a skin whose faces are repeated and meet in
-/// threes, which has no opening.
+/// A skin whose faces are repeated and meet in threes has no opening.
 #[test]
-fn closed_surfaces_are_solid_beside_walls() {
-    let mut bowl = block([0.0; 3], [1.0; 3], false);
-    bowl.triangles.drain(2..4);
-    let apple = block([3.0; 3], [4.0; 3], false);
-    let both = joined(&[bowl, apple]);
-    let solid = Solid::new(&both);
-    assert_eq!((solid.kind(), solid.is_hollow()), (SolidKind::Walls, false));
-    let middles = [0.5, 3.5].map(DVec3::splat);
-    assert_eq!(middles.map(|p| solid.is_inside(p)), [false, true]);
-    let walls = Solid::by(&both, SolidRule::Walls);
-    assert!(walls.is_hollow() && !middles.iter().any(|p| walls.is_inside(*p)));
-
-    let mut skin = block([0.0; 3], [1.0; 3], false);
+fn a_divided_skin_of_two_layers_is_solid() {
+    let mut skin = block([0.0; 3], [1.0; 3]);
     // A wall inside divides the cube.
     skin.triangles.extend([[0, 1, 7], [0, 7, 6]]);
     // Two faces have one side only, so that the two sides do not cancel.
-    let turned = skin.triangles[2..].iter().map(|[a, b, c]| [*a, *c, *b]).collect::<Vec<_>>();
-    skin.triangles.extend(turned);
+    skin.triangles.extend(inside_out(skin.clone()).triangles.split_off(2));
     for first in 0..skin.triangles.len() {
         skin.triangles.rotate_left(first);
         let solid = Solid::new(&skin);
-        assert!(solid.kind() != SolidKind::Walls, "{first}");
         let [inside, outside] = [[0.5, 0.25, 0.75], [0.5, 0.25, 1.25]].map(|p| solid.is_inside(DVec3::from_array(p)));
-        assert!(inside && !outside, "{first}");
+        assert!(solid.kind() != SolidKind::Walls && inside && !outside, "{first}");
     }
 }
 
@@ -304,98 +266,11 @@ fn holes_are_kept_if_they_exceed_the_mesh_together() {
     }
 }
 
-#[test]
-fn an_open_box_is_closed() {
-    let mut open = block([0.0; 3], [1.0; 3], false);
-    open.triangles.drain(2..4);
-    let solid = Solid::by(&open, SolidRule::Closed);
-    assert_eq!(solid.kind(), SolidKind::Closed);
-    let found = tight(&solid, &hull_of(&open.positions));
-    assert!(found.bound < 1e-5, "{found:?}");
-    let taller = hull_of(&block([0.0; 3], [1.0, 1.0, 1.1], false).positions);
-    let found = tight(&solid, &taller);
-    assert!(found.bound > 0.0999 && found.bound < 0.102, "{found:?}");
-}
-
-#[test]
-fn a_sheet_has_no_inside() {
-    let sheet = mesh(&[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2], [0, 2, 3]]);
-    let solid = Solid::new(&sheet);
-    assert_eq!(solid.kind(), SolidKind::Walls);
-    let found = tight(&solid, &hull_of(&block([0.0; 3], [1.0, 1.0, 0.25], false).positions));
-    assert!(found.bound >= 0.25 && found.bound < 0.2513, "{found:?}");
-    let flat = tight(&solid, &hull_of(&sheet.positions));
-    assert!(flat.bound < 1e-9, "{flat:?}");
-}
-
-#[test]
-fn opposite_boxes_are_both_solid() {
-    let pair = joined(&[block([0.0; 3], [1.0; 3], false), block([2.0; 3], [3.0; 3], true)]);
-    let solid = Solid::new(&pair);
-    assert_eq!(solid.kind(), SolidKind::Watertight);
-    assert!(solid.is_inside(DVec3::splat(0.5)) && solid.is_inside(DVec3::splat(2.5)));
-}
-
-#[test]
-fn double_faces_are_not_a_hole() {
-    let cube = block([0.0; 3], [1.0; 3], false);
-    let solid = Solid::new(&joined(&[cube.clone(), block([0.0; 3], [1.0; 3], true)]));
-    assert_eq!(solid.kind(), SolidKind::Watertight);
-    assert!(solid.is_inside(DVec3::splat(0.5)));
-}
-
-/// Both sides of each quad, along different diagonals, so that no triangle is repeated.
-#[test]
-fn two_sides_along_other_diagonals_bound_an_inside() {
-    let cube = block([0.0; 3], [1.0; 3], false);
-    let outer = block([-1.0; 3], [2.0; 3], false);
-    let two_sided = |mesh: &PointSet| {
-        let mut both = mesh.clone();
-        for pair in mesh.triangles.chunks_exact(2) {
-            // The two triangles of a quad share a diagonal.
-            let alone = |own: [u32; 3], other: [u32; 3]| own.iter().position(|v| !other.contains(v)).unwrap();
-            let [s, t] = [pair[0], pair[1]];
-            let (i, j) = (alone(s, t), alone(t, s));
-            let (a, b, c, d) = (s[i], s[(i + 1) % 3], t[j], s[(i + 2) % 3]);
-            both.triangles.extend([[a, c, b], [a, d, c]]);
-        }
-        both
-    };
-    let lying = two_sided(&{
-        let mut open = cube.clone();
-        open.triangles.drain(2..4);
-        open
-    });
-    assert_eq!(Solid::new(&lying).kind(), SolidKind::Walls);
-    for (mesh, expected) in [(cube.clone(), [true, false]), (joined(&[cube, outer]), [true, true])] {
-        let both = two_sided(&mesh);
-        assert_eq!(both.triangles.len(), 2 * mesh.triangles.len());
-        let solid = Solid::new(&both);
-        assert_eq!(solid.kind(), SolidKind::Watertight);
-        assert_eq!([0.3, 1.4].map(|x| solid.is_inside(DVec3::splat(x))), expected);
-        assert!(!solid.is_inside(DVec3::splat(2.2)));
-    }
-}
-
-#[test]
-fn split_vertices_are_merged() {
-    // Each triangle has its own corners, which differ by rounding.
-    let cube = block([0.0; 3], [1.0; 3], false);
-    let mut rng = SplitMix64::new(5);
-    let jitter = |p: [f32; 3], rng: &mut SplitMix64| p.map(|c| c + (rng.unit() as f32 - 0.5) * 3e-7);
-    let positions: Vec<[f32; 3]> =
-        cube.triangles.iter().flatten().map(|v| jitter(cube.positions[*v as usize], &mut rng)).collect();
-    let triangles: Vec<[u32; 3]> = (0..12).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
-    let solid = Solid::new(&mesh(&positions, &triangles));
-    assert_eq!(solid.kind(), SolidKind::Watertight);
-    assert!(solid.is_inside(DVec3::splat(0.5)) && !solid.is_inside(DVec3::splat(1.1)));
-}
-
 fn random_soup(rng: &mut SplitMix64, count: usize) -> PointSet {
     let positions: Vec<[f32; 3]> = (0..count).map(|_| std::array::from_fn(|_| rng.unit() as f32)).collect();
     let mut index = || (rng.unit() * count as f64) as u32;
     let triangles: Vec<[u32; 3]> = (0..2 * count).map(|_| [index(), index(), index()]).collect();
-    mesh(&positions, &triangles)
+    mesh(positions, triangles)
 }
 
 #[test]
@@ -432,11 +307,12 @@ fn sides_agree_with_solid_angles() {
             0 => random_soup(&mut rng, 8),
             1 => joined(&[0, 1, 2].map(|_| {
                 let low = std::array::from_fn(|_| (4.0 * rng.unit()).floor() as f32 / 8.0);
-                block(low, low.map(|x| x + 0.5), rng.unit() < 0.2)
+                let block = block(low, low.map(|x| x + 0.5));
+                if rng.unit() < 0.2 { inside_out(block) } else { block }
             })),
             _ => joined(&[0, 1, 2].map(|_| {
-                let points: Vec<[f32; 3]> = (0..4).map(|_| std::array::from_fn(|_| rng.unit() as f32)).collect();
-                mesh(&points, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+                let points = (0..4).map(|_| std::array::from_fn(|_| rng.unit() as f32)).collect();
+                mesh(points, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
             })),
         });
         if solid.kind() == SolidKind::Walls {
@@ -460,41 +336,27 @@ fn sides_agree_with_solid_angles() {
 #[test]
 fn overlapping_boxes_take_few_measurements() {
     let union = joined(&[
-        block([0.0; 3], [2.0, 1.0, 1.0], false),
-        block([1.0, 0.0, 0.25], [3.0, 1.0, 0.75], false),
-        block([0.5, 0.25, -1.0], [1.5, 0.75, 2.0], false),
+        block([0.0; 3], [2.0, 1.0, 1.0]),
+        block([1.0, 0.0, 0.25], [3.0, 1.0, 0.75]),
+        block([0.5, 0.25, -1.0], [1.5, 0.75, 2.0]),
     ]);
     let solid = Solid::new(&union);
-    let part = hull_of(&block([0.25, 0.3, 0.3], [2.75, 0.7, 0.7], false).positions);
+    let part = box_hull([0.25, 0.3, 0.3], [2.75, 0.7, 0.7]);
     let accuracy = Accuracy { measurements: 3000, ..Accuracy::tight(solid.diagonal()) };
     let found = protrusion(&solid, &part, &accuracy);
     assert!(found.bound <= 1e-5 * solid.diagonal(), "{found:?}");
 }
 
 fn samples(part: &Hull, rng: &mut SplitMix64, count: usize) -> Vec<DVec3> {
-    let positions = part.positions();
-    let fans: Vec<[DVec3; 3]> = part
-        .faces
-        .iter()
-        .flat_map(|face| face.windows(2).skip(1).map(|e| [face[0], e[0], e[1]].map(|v| positions[v as usize])))
-        .collect();
-    (0..count).map(|i| in_triangle(&fans[i % fans.len()], rng)).collect()
-}
-
-fn in_triangle(&[a, b, c]: &[DVec3; 3], rng: &mut SplitMix64) -> DVec3 {
-    let (mut u, mut v) = (rng.unit(), rng.unit());
-    if u + v > 1.0 {
-        (u, v) = (1.0 - u, 1.0 - v);
-    }
-    a + u * (b - a) + v * (c - a)
+    let surface = surface_of(part);
+    (0..count).map(|i| in_triangle(&surface.corners(&surface.triangles[i % surface.triangles.len()]), rng)).collect()
 }
 
 fn slow_distance(solid: &Solid, mesh: &PointSet, p: DVec3) -> f64 {
     if solid.kind() != SolidKind::Walls && solid.surface().solid_angles(p) != 0 {
         return 0.0;
     }
-    let at = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
-    let nearest = |t: &[u32; 3]| triangle::nearest(&t.map(at), p).distance(p);
+    let nearest = |t: &[u32; 3]| triangle::nearest(&mesh.corners(t), p).distance(p);
     mesh.triangles.iter().map(nearest).fold(f64::INFINITY, f64::min)
 }
 
@@ -506,8 +368,7 @@ fn protrusion_is_never_below_a_sample() {
         let soup = if round % 2 == 0 { random_soup(&mut rng, 9) } else { letter_l() };
         let solid = Solid::by(&soup, SolidRule::Closed);
         let scale = 0.6 + rng.unit() as f32;
-        let points: Vec<[f32; 3]> = (0..7).map(|_| std::array::from_fn(|_| scale * rng.unit() as f32)).collect();
-        let part = hull_of(&points);
+        let part = hull_of((0..7).map(|_| std::array::from_fn(|_| scale * rng.unit() as f32)).collect());
         let found = tight(&solid, &part);
         // Closing triangles make the bound larger than the slow distance, never smaller.
         let sampled =
@@ -560,12 +421,11 @@ fn a_limit_that_is_proven_is_recorded() {
     for seed in 550..580 {
         let mut rng = SplitMix64::new(seed);
         let mut corner = |low: f64, high: f64| std::array::from_fn(|_| (low + (high - low) * rng.unit()) as f32);
-        let blocks = [(); 2].map(|()| block(corner(0.0, 0.5), corner(0.6, 1.0), false));
+        let blocks = [(); 2].map(|()| block(corner(0.0, 0.5), corner(0.6, 1.0)));
         let mut mesh = joined(&blocks);
         mesh.triangles.remove((rng.unit() * mesh.triangles.len() as f64) as usize);
         let solid = Solid::new(&mesh);
-        let points: Vec<[f32; 3]> = (0..7).map(|_| mesh.positions[(rng.unit() * 16.0) as usize]).collect();
-        let part = hull_of(&points);
+        let part = hull_of((0..7).map(|_| mesh.positions[(rng.unit() * 16.0) as usize]).collect());
         let measured = tight(&solid, &part);
         let limit = 0.995 * measured.reached;
         let decided = protrusion(&solid, &part, &Accuracy::decide(limit));
@@ -589,20 +449,16 @@ fn uncovered_is_never_below_a_sample() {
         let hulls: Vec<Hull> = (0..1 + round % 4)
             .map(|_| {
                 let centre: [f32; 3] = std::array::from_fn(|_| rng.unit() as f32);
-                let points: Vec<[f32; 3]> = (0..10)
-                    .map(|_| std::array::from_fn(|axis| centre[axis] + size * (2.0 * rng.unit() as f32 - 1.0)))
-                    .collect();
-                hull_of(&points)
+                let mut point = || centre.map(|c| c + size * (2.0 * rng.unit() as f32 - 1.0));
+                hull_of((0..10).map(|_| point()).collect())
             })
             .collect();
         let parts: Vec<&Hull> = hulls.iter().collect();
         let found = uncovered(&soup, &parts);
         let prepared: Vec<Nearest> = hulls.iter().map(Nearest::new).collect();
-        let at = |v: u32| DVec3::from_array(soup.positions[v as usize].map(f64::from));
         let mut sampled = 0.0_f64;
         for i in 0..3000 {
-            let corners = soup.triangles[i % soup.triangles.len()].map(at);
-            let p = in_triangle(&corners, &mut rng);
+            let p = in_triangle(&soup.corners(&soup.triangles[i % soup.triangles.len()]), &mut rng);
             let distances = prepared.iter().map(|part| part.certain(p).point.distance(p));
             sampled = sampled.max(distances.fold(f64::INFINITY, f64::min));
         }
@@ -620,22 +476,13 @@ fn uncovered_is_never_below_a_sample() {
 #[test]
 fn a_gap_between_parts_is_found() {
     // A plate covered by two boxes with a gap of 0.2 between them: the middle is 0.1 away.
-    let plate = block([0.0; 3], [2.0, 1.0, 0.1], false);
-    let left = hull_of(&block([0.0; 3], [0.9, 1.0, 0.1], false).positions);
-    let right = hull_of(&block([1.1, 0.0, 0.0], [2.0, 1.0, 0.1], false).positions);
+    let plate = block([0.0; 3], [2.0, 1.0, 0.1]);
+    let (left, right) = (box_hull([0.0; 3], [0.9, 1.0, 0.1]), box_hull([1.1, 0.0, 0.0], [2.0, 1.0, 0.1]));
     let found = uncovered(&plate, &[&left, &right]);
     assert!(found.bound > 0.0999 && found.bound < 0.101, "{found:?}");
+    assert!(uncovered(&plate, &[&hull_of(plate.positions.clone())]).bound < 1e-11);
     assert_eq!(uncovered(&plate, &[]).bound, f64::INFINITY);
-}
-
-#[test]
-fn nothing_is_covered_and_nothing_protrudes() {
-    let nothing = PointSet::default();
-    assert_eq!(uncovered(&nothing, &[]).bound, 0.0);
-    let solid = Solid::new(&nothing);
-    assert_eq!(solid.kind(), SolidKind::Walls);
-    let found = tight(&solid, &hull_of(&[[0.0; 3], [1.0; 3]]));
-    assert_eq!(found.bound, f64::INFINITY);
+    assert_eq!(uncovered(&PointSet::default(), &[]).bound, 0.0);
 }
 
 /// Triangles in another order, orientation and frame are the same solid, also where they cross and
@@ -650,15 +497,7 @@ fn turned_soups_are_the_same_solid() {
         let soup = random_soup(&mut rng, 9);
         let axes = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]][round % 6];
         let signs = [0; 3].map(|_| if rng.unit() < 0.5 { -1.0 } else { 1.0 });
-        let positions = soup.positions.iter().map(|p| [0, 1, 2].map(|k| signs[k] * p[axes[k]])).collect();
-        let mut turned = PointSet { positions, ..soup.clone() };
-        for k in (1..turned.triangles.len()).rev() {
-            turned.triangles.swap(k, rng.below(k + 1));
-        }
-        turned.triangles.iter_mut().for_each(|t| t.rotate_left(rng.below(3)));
-        if round % 2 == 0 {
-            turned.triangles.iter_mut().for_each(|t| t.swap(0, 1));
-        }
+        let turned = turned(&soup, axes, signs, round % 2 == 0, &mut rng);
         for rule in SolidRule::ALL {
             let [solid, other] = [&soup, &turned].map(|mesh| Solid::by(mesh, rule));
             assert_eq!(solid.kind(), other.kind(), "round {round}, {rule}");

@@ -316,14 +316,7 @@ mod tests {
                 }
                 let touches = |low: DVec3, high: DVec3| low.cmple(p + 0.3).all() && high.cmpge(p - 0.3).all();
                 let mut found = Vec::new();
-                let end = tree.visit(
-                    |b| touches(b.low, b.high),
-                    |index| {
-                        found.push(index);
-                        ControlFlow::<()>::Continue(())
-                    },
-                );
-                assert!(end.is_continue());
+                tree.for_each(|b| touches(b.low, b.high), |index| found.push(index));
                 found.sort_unstable();
                 let is_near = |index: &u32| {
                     let [a, b, c] = triangles[*index as usize];
@@ -368,13 +361,7 @@ mod tests {
             (-500..500).map(|e| [DVec3::ZERO, DVec3::X, DVec3::Y].map(|p| p * 2_f64.powi(e))).collect();
         let tree = TriangleTree::new(&triangles);
         let mut count = 0;
-        let _ = tree.visit(
-            |_| true,
-            |_| {
-                count += 1;
-                ControlFlow::<()>::Continue(())
-            },
-        );
+        tree.for_each(|_| true, |_| count += 1);
         assert_eq!(count, triangles.len());
     }
 }

@@ -153,25 +153,17 @@ mod tests {
     use shapes::concave;
 
     use super::*;
-    use crate::hull;
-    use hullmap_geometry::PointSet;
+    use crate::{
+        hull,
+        test_meshes::{block, box_hull, hull_of, on_threads, point_set},
+    };
 
-    fn hull_of(positions: Vec<[f32; 3]>) -> Hull {
-        hull::build(&PointSet::of_positions(positions)).unwrap()
+    fn cube() -> Solid {
+        Solid::new(&block([-1.0; 3], [1.0; 3]))
     }
 
-    fn corners([low, high]: [[f32; 3]; 2]) -> Vec<[f32; 3]> {
-        (0..8).map(|i| std::array::from_fn(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] })).collect()
-    }
-
-    fn mesh_of(shape: &shapes::mesh::Mesh) -> PointSet {
-        PointSet { triangles: shape.fans(), ..PointSet::of_positions(shape.vertices.clone()) }
-    }
-
-    fn cube() -> PointSet {
-        let whole = hull_of(corners([[-1.0; 3], [1.0; 3]]));
-        let triangles = whole.faces.iter().flat_map(|f| (2..f.len()).map(|i| [f[0], f[i - 1], f[i]])).collect();
-        PointSet { triangles, ..PointSet::of_positions(whole.vertices) }
+    fn octahedron() -> Hull {
+        hull_of([1.0, -1.0].iter().flat_map(|sign| DVec3::AXES.map(|p| (p * sign).as_vec3().to_array())).collect())
     }
 
     #[track_caller]
@@ -182,10 +174,8 @@ mod tests {
 
     #[test]
     fn what_no_part_covers_of_a_cube_is_known() {
-        let solid = Solid::new(&cube());
-        let octahedron = (0..6)
-            .map(|i| std::array::from_fn(|axis| if i % 3 == axis { if i < 3 { 1.0 } else { -1.0 } } else { 0.0 }));
-        assert_near(voids(&solid, &[&hull_of(octahedron.collect())], None), 8.0 - 4.0 / 3.0, 4e-3);
+        let solid = cube();
+        assert_near(voids(&solid, &[&octahedron()], None), 8.0 - 4.0 / 3.0, 4e-3);
         // Six slabs around a hollow that is in no plane of the grid.
         let hollow: [f32; 2] = [-0.37, 0.41];
         let slab = |i: usize| {
@@ -196,13 +186,13 @@ mod tests {
             } else {
                 low[axis] = hollow[1]
             }
-            hull_of(corners([low, high]))
+            box_hull(low, high)
         };
         let slabs: Vec<Hull> = (0..6).map(slab).collect();
         let truth = (f64::from(hollow[1]) - f64::from(hollow[0])).powi(3);
         assert_near(voids(&solid, &slabs.iter().collect::<Vec<_>>(), None), truth, 4e-3);
         assert_near(voids(&solid, &[], None), 8.0, 1e-4);
-        let [large, half] = [[[-2.0; 3], [2.0; 3]], [[-1.0; 3], [1.5, 0.1, 3.0]]].map(|b| hull_of(corners(b)));
+        let (large, half) = (box_hull([-2.0; 3], [2.0; 3]), box_hull([-1.0; 3], [1.5, 0.1, 3.0]));
         assert_eq!(voids(&solid, &[&large, &half], None).volume, 0.0);
         assert_near(voids(&solid, &[&half], None), 4.0 * 0.9, 4e-3);
     }
@@ -213,16 +203,12 @@ mod tests {
     #[test]
     fn late_estimates_state_their_error() {
         static NOW: AtomicU64 = AtomicU64::new(0);
-        let solid = Solid::new(&cube());
-        let octahedron = (0..6)
-            .map(|i| std::array::from_fn(|axis| if i % 3 == axis { if i < 3 { 1.0 } else { -1.0 } } else { 0.0 }));
-        let (part, truth) = (hull_of(octahedron.collect()), 8.0 - 4.0 / 3.0);
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let (solid, part, truth) = (cube(), octahedron(), 8.0 - 4.0 / 3.0);
         let mut errors = Vec::new();
         for looks in [0, 4000, 10_000, 20_000, 10_000_000] {
             let now = || Duration::from_secs(NOW.fetch_add(1, Ordering::Relaxed));
             let deadline = Deadline::by(now, f64::from(looks));
-            let found = pool.install(|| voids(&solid, &[&part], Some(deadline)));
+            let found = on_threads(1, || voids(&solid, &[&part], Some(deadline)));
             assert_near(found, truth, 0.3);
             errors.push(found.error);
         }
@@ -231,7 +217,7 @@ mod tests {
 
     #[test]
     fn space_outside_the_solid_is_no_void() {
-        let mesh = mesh_of(&concave::l());
+        let mesh = point_set(&concave::l());
         let solid = Solid::new(&mesh);
         let [low, high] = solid.bounds();
         let mut count = 0;
@@ -248,12 +234,9 @@ mod tests {
 
     #[test]
     fn the_estimate_is_the_same_for_any_number_of_threads() {
-        let solid = Solid::new(&mesh_of(&concave::mug(24)));
-        let part = hull_of(corners([[-0.5; 3], [0.5; 3]]));
-        let with = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| voids(&solid, &[&part], None))
-        };
+        let solid = Solid::new(&point_set(&concave::mug(24)));
+        let part = box_hull([-0.5; 3], [0.5; 3]);
+        let with = |threads| on_threads(threads, || voids(&solid, &[&part], None));
         assert!(with(1).volume > 0.0);
         assert_eq!(with(1), with(5));
     }

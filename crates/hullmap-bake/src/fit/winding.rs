@@ -25,6 +25,10 @@ const UNCERTAIN: f64 = 1e-13;
 
 pub(super) const RAYS: usize = 12;
 
+/// Bound on rounding errors of lengths, relative to the greatest coordinate. A point this close to
+/// a triangle is on it.
+const ROUNDING: f64 = 1e-12;
+
 /// A closed surface of triangles.
 pub struct ClosedSurface {
     /// Triangles of the mesh, then the triangles that close it.
@@ -49,6 +53,15 @@ pub(super) enum Doubt {
 }
 
 impl ClosedSurface {
+    /// The surface of triangles, of which some count, in a box around the mesh.
+    pub(super) fn new(triangles: Vec<Triangle>, counts: Vec<bool>, bounds: [DVec3; 2], moved: f64) -> Self {
+        let diagonal = if triangles.is_empty() { 0.0 } else { bounds[0].distance(bounds[1]) };
+        let tree = TriangleTree::new(&triangles);
+        let rounding = ROUNDING * bounds[0].abs().max(bounds[1].abs()).max_element().max(0.0);
+        let needles = triangles.iter().map(triangle::needle).fold(0.0, f64::max);
+        Self { triangles, counts, tree, diagonal, bounds, moved, rounding, needles }
+    }
+
     /// All triangles: the mesh's, then the triangles that close it.
     pub fn triangles(&self) -> &[Triangle] {
         &self.triangles
@@ -58,11 +71,7 @@ impl ClosedSurface {
     pub fn triangles_in(&self, low: DVec3, high: DVec3) -> Vec<u32> {
         let mut found = Vec::new();
         let touches = |own: &Bounds| own.low.cmple(high).all() && own.high.cmpge(low).all();
-        let take = |index| {
-            found.push(index);
-            ControlFlow::<()>::Continue(())
-        };
-        let _ = self.tree.visit(touches, take);
+        self.tree.for_each(touches, |index| found.push(index));
         found
     }
 

@@ -86,23 +86,29 @@ impl Adjacency {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use shapes::families::Family;
 
     use super::*;
-    use crate::hull::build;
-    use hullmap_geometry::PointSet;
+    use crate::test_meshes::hull_of;
 
     fn agrees(positions: Vec<[f32; 3]>, name: &str) -> u32 {
-        let hull = build(&PointSet::of_positions(positions)).unwrap();
+        let hull = hull_of(positions);
         let adjacency = Adjacency::new(&hull);
-        // The slow, obvious twin.
-        let lists = hull.neighbours();
-        assert_eq!(adjacency.neighbours, lists.concat(), "{name}");
-        assert_eq!(adjacency.faces, hull.neighbour_faces(&lists), "{name}");
-        for (v, list) in (0..).zip(&lists) {
-            assert_eq!(adjacency.neighbours(v), list, "{name}");
+        // The slow, obvious twin: for each vertex, its neighbours and the faces that they follow it in.
+        let mut lists = vec![BTreeMap::new(); hull.vertices.len()];
+        for (face, corners) in (0..).zip(&hull.faces) {
+            edges(corners).for_each(|(a, b)| _ = lists[a as usize].insert(b, face));
         }
-        assert_eq!(adjacency.max_neighbours() as usize, lists.iter().map(Vec::len).max().unwrap(), "{name}");
+        if hull.rank == 1 {
+            lists = vec![BTreeMap::from([(1, 0)]), BTreeMap::from([(0, 0)])];
+        }
+        for (v, list) in (0..).zip(&lists) {
+            assert!(adjacency.neighbours(v).iter().eq(list.keys()), "{name} {v}");
+        }
+        assert!(adjacency.faces.iter().eq(lists.iter().flat_map(BTreeMap::values)), "{name}");
+        assert_eq!(adjacency.max_neighbours() as usize, lists.iter().map(BTreeMap::len).max().unwrap(), "{name}");
         hull.rank
     }
 

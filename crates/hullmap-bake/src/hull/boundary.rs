@@ -36,46 +36,16 @@ impl Hull {
         };
         self.faces.iter().filter_map(of_face).collect()
     }
-
-    /// For each vertex, the vertices that share an edge with it, ascending.
-    ///
-    /// # Complexity
-    /// O(number of face corners), plus sorting.
-    pub fn neighbours(&self) -> Vec<Vec<u32>> {
-        let mut neighbours = vec![Vec::new(); self.vertices.len()];
-        for (a, b) in self.faces.iter().flat_map(|face| edges(face)) {
-            neighbours[a as usize].push(b);
-        }
-        if self.rank == 1 {
-            neighbours = vec![vec![1], vec![0]];
-        }
-        for list in &mut neighbours {
-            list.sort_unstable();
-            // Both sides of a polygon have the same edges, so each neighbour occurs twice.
-            list.dedup();
-        }
-        neighbours
-    }
-
-    /// For each entry w in the list of vertex v in `neighbours`, the index of the face in which w
-    /// follows v; 0 if there are no faces.
-    ///
-    /// # Complexity
-    /// O(number of face corners), with a binary search in the vertex's neighbours for each.
-    pub fn neighbour_faces(&self, neighbours: &[Vec<u32>]) -> Vec<u32> {
-        let mut left: Vec<Vec<u32>> = neighbours.iter().map(|list| vec![0; list.len()]).collect();
-        for (index, face) in self.faces.iter().enumerate() {
-            for (a, b) in edges(face) {
-                if let Ok(at) = neighbours[a as usize].binary_search(&b) {
-                    left[a as usize][at] = index as u32;
-                }
-            }
-        }
-        left.concat()
-    }
 }
 
 /// Directed edges of a polygon.
 pub(crate) fn edges(face: &[u32]) -> impl Iterator<Item = (u32, u32)> + '_ {
     face.iter().copied().zip(face.iter().copied().cycle().skip(1))
+}
+
+/// The least and the greatest coordinates of points; infinite without points.
+pub(crate) fn bounds<'a>(points: impl IntoIterator<Item = &'a [f32; 3]>) -> [[f32; 3]; 2] {
+    let pick = |pick: fn(f32, f32) -> f32, a: [f32; 3], b: &[f32; 3]| [0, 1, 2].map(|axis| pick(a[axis], b[axis]));
+    let start = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+    points.into_iter().fold(start, |[low, high], p| [pick(f32::min, low, p), pick(f32::max, high, p)])
 }

@@ -13,7 +13,7 @@ use glam::DVec3;
 
 use super::{Hull, area::area_vector, edges, polygon::side_normal};
 use crate::error::{CONTAINMENT, CertificateError};
-use hullmap_geometry::planes::HalfSpace;
+use hullmap_geometry::{bounds, planes::HalfSpace};
 
 /// Checks `hull` against `points` and returns its containment error, relative to its diameter.
 ///
@@ -39,7 +39,8 @@ pub fn certify(hull: &Hull, points: &[DVec3]) -> Result<f64, CertificateError> {
     if error <= CONTAINMENT { Ok(error) } else { Err(CertificateError::Containment { error }) }
 }
 
-fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
+/// Distance of a point from a segment, which has a length.
+pub fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
     let along = b - a;
     let t = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
     p.distance(a + along * t)
@@ -150,8 +151,7 @@ struct Box3 {
 
 impl Box3 {
     fn new(points: &[DVec3]) -> Self {
-        let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let [low, high] = bounds(points.iter().copied());
         Self { centre: (low + high) * 0.5, half: (high - low) * 0.5 }
     }
 
@@ -202,14 +202,7 @@ impl OutsideSearch {
         } else if is_leaf {
             self.compare(points, near);
         } else {
-            let half = around.half;
-            let axis = if half.x >= half.y && half.x >= half.z {
-                0
-            } else if half.y >= half.z {
-                1
-            } else {
-                2
-            };
+            let axis = around.half.max_position();
             let middle = points.len() / 2;
             points.select_nth_unstable_by(middle, |a, b| a[axis].total_cmp(&b[axis]));
             let (left, right) = points.split_at_mut(middle);
@@ -259,49 +252,30 @@ impl OutsideSearch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hull::build;
-    use hullmap_geometry::PointSet;
+    use crate::test_meshes::{box_hull, hull_of};
     use shapes::families::Family;
 
-    fn cube() -> (Hull, Vec<DVec3>) {
-        let corners: Vec<[f32; 3]> = (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect();
-        let set = PointSet::of_positions(corners);
-        let hull = build(&set).unwrap();
-        let points = hull.positions();
-        (hull, points)
-    }
-
     #[test]
-    fn a_cube_is_certified_exactly() {
-        let (hull, points) = cube();
-        assert_eq!(certify(&hull, &points).unwrap(), 0.0);
-    }
-
-    #[test]
-    fn a_point_outside_the_hull_is_found() {
-        let (hull, mut points) = cube();
-        points.push(DVec3::new(0.5, 0.5, 1.0 + 1e-6));
-        let error = certify(&hull, &points).unwrap_err();
-        assert!(matches!(error, CertificateError::Containment { error } if error > 5e-7), "{error}");
-    }
-
-    #[test]
-    fn a_reversed_or_missing_face_is_found() {
-        let (mut hull, points) = cube();
-        hull.faces[2].reverse();
-        assert!(matches!(certify(&hull, &points), Err(CertificateError::Surface { .. })));
-        let (mut hull, points) = cube();
-        hull.faces.pop();
-        assert!(matches!(certify(&hull, &points), Err(CertificateError::Surface { euler: 3 })));
-        let (mut hull, points) = cube();
-        hull.faces.iter_mut().for_each(|f| f.reverse());
-        assert_eq!(certify(&hull, &points), Err(CertificateError::Inward { face: 0 }));
+    fn a_cube_is_certified_exactly_and_each_defect_is_found() {
+        let of = |change: fn(&mut Hull, &mut Vec<DVec3>)| {
+            let mut hull = box_hull([0.0; 3], [1.0; 3]);
+            let mut points = hull.positions();
+            change(&mut hull, &mut points);
+            certify(&hull, &points)
+        };
+        assert_eq!(of(|_, _| ()), Ok(0.0));
+        let outside = of(|_, points| points.push(DVec3::new(0.5, 0.5, 1.0 + 1e-6)));
+        assert!(matches!(outside, Err(CertificateError::Containment { error }) if error > 5e-7), "{outside:?}");
+        let reversed = of(|hull, _| hull.faces[2].reverse());
+        assert!(matches!(reversed, Err(CertificateError::Surface { .. })), "{reversed:?}");
+        let missing = of(|hull, _| _ = hull.faces.pop());
+        assert!(matches!(missing, Err(CertificateError::Surface { euler: 3 })), "{missing:?}");
+        let inward = of(|hull, _| hull.faces.iter_mut().for_each(|f| f.reverse()));
+        assert_eq!(inward, Err(CertificateError::Inward { face: 0 }));
     }
 
     fn planes(family: Family, n: usize) -> (Vec<DVec3>, Vec<HalfSpace>) {
-        let positions = family.points(n, 5);
-        let set = PointSet::of_positions(positions);
-        let hull = build(&set).unwrap();
+        let hull = hull_of(family.points(n, 5));
         let points = hull.positions();
         let half_spaces = face_planes(&hull, &points);
         (points, half_spaces)
@@ -320,14 +294,7 @@ mod tests {
             *worst = near.iter().map(outside).fold(*worst, f64::max);
             return;
         }
-        let half = around.half;
-        let axis = if half.x >= half.y && half.x >= half.z {
-            0
-        } else if half.y >= half.z {
-            1
-        } else {
-            2
-        };
+        let axis = around.half.max_position();
         let middle = points.len() / 2;
         points.select_nth_unstable_by(middle, |a, b| a[axis].total_cmp(&b[axis]));
         let (left, right) = points.split_at_mut(middle);

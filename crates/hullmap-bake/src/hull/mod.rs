@@ -18,7 +18,7 @@ use glam::DVec3;
 
 use crate::error::BakeError;
 pub use boundary::Hull;
-pub(crate) use boundary::edges;
+pub(crate) use boundary::{bounds, edges};
 use hullmap_format::archive::NO_SOURCE_VERTEX;
 use hullmap_geometry::{MAX_POINTS, PointSet};
 use rank::Simplex;

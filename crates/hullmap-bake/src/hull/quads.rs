@@ -117,6 +117,8 @@ fn improve(corners: &[DVec2], quad: &mut [usize; 4]) {
 
 #[cfg(test)]
 mod tests {
+    use shapes::rng::SplitMix64;
+
     use super::*;
 
     fn area(corners: &[DVec2], quad: [u32; 4]) -> f64 {
@@ -125,15 +127,11 @@ mod tests {
     }
 
     fn polygon(n: usize, flat: f64, seed: u64) -> Vec<DVec2> {
-        let mut state = seed;
-        let mut random = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 40) as f64 / 2_f64.powi(24)
-        };
-        let mut angles: Vec<f64> = (0..n).map(|_| random() * std::f64::consts::TAU).collect();
+        let mut rng = SplitMix64::new(seed);
+        let mut angles: Vec<f64> = (0..n).map(|_| rng.unit() * std::f64::consts::TAU).collect();
         angles.sort_by(f64::total_cmp);
         angles.dedup();
-        let turned = DVec2::from_angle(random());
+        let turned = DVec2::from_angle(rng.unit());
         angles.iter().map(|a| turned.rotate(DVec2::new(a.cos(), flat * a.sin()))).collect()
     }
 

@@ -22,6 +22,7 @@
 //! neither on the order of insertion nor on the places.
 
 use glam::DVec3;
+use hullmap_geometry::{bounds, triangle::from_least};
 
 /// Maximum error of the filter's determinant, relative to the sum of its terms' magnitudes. Three
 /// differences, two products and four sums of f64 round at most ten times.
@@ -119,8 +120,7 @@ struct Builder<'a> {
 impl<'a> Builder<'a> {
     fn new(points: &'a [DVec3], chosen: &[u32]) -> Self {
         let n = points.len();
-        let chosen = || chosen.iter().map(|p| points[*p as usize]);
-        let (low, high) = (chosen().fold(DVec3::INFINITY, DVec3::min), chosen().fold(DVec3::NEG_INFINITY, DVec3::max));
+        let [low, high] = bounds(chosen.iter().map(|p| points[*p as usize]));
         Self {
             points,
             size: high - low,
@@ -300,7 +300,7 @@ impl<'a> Builder<'a> {
                 }
             }
             facets.push(match members.as_slice() {
-                [single] => triangle(self.faces[*single as usize].vertices),
+                [single] => from_least(self.faces[*single as usize].vertices).to_vec(),
                 _ => self.outline(&members, &group, name),
             });
         }
@@ -334,16 +334,6 @@ impl<'a> Builder<'a> {
             at = edges[edge].1;
         }
         outline
-    }
-}
-
-fn triangle([a, b, c]: [u32; 3]) -> Facet {
-    if a < b && a < c {
-        vec![a, b, c]
-    } else if b < c {
-        vec![b, c, a]
-    } else {
-        vec![c, a, b]
     }
 }
 

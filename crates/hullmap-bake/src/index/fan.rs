@@ -248,63 +248,49 @@ mod tests {
     use super::*;
     use crate::{
         gauss_map::GaussMap,
-        hull,
         index::subdivide::{Cuts, Tree, subdivide},
+        test_meshes::hull_of,
     };
-    use hullmap_geometry::PointSet;
 
     /// Angles of a polygon in the face z = 1 around the z axis, which meets the face at its centre.
     fn around_z(polygon: &[[f64; 2]]) -> Option<[f64; 2]> {
         angles(4, polygon, DVec3::X, DVec3::Y)
     }
 
-    fn assert_near(found: Option<[f64; 2]>, expected: [f64; 2]) {
-        let near = |found: [f64; 2]| (0..2).all(|i| (found[i] - expected[i]).abs() < 1e-12);
-        assert!(found.is_some_and(near), "{found:?}, not {expected:?}");
-    }
-
+    /// The result depends neither on the first corner nor on the orientation.
     #[test]
-    fn angles_of_polygons() {
-        assert_near(around_z(&[[0.5, 0.0], [0.5, 0.25], [0.25, 0.25]]), [0.0, 1.0]);
-        assert_near(around_z(&[[0.0, 0.0], [0.5, 0.0], [0.25, 0.25]]), [0.0, 1.0]);
-        assert_near(around_z(&[[-0.5, 0.5], [-0.5, -0.5], [-0.25, -0.5]]), [3.0, 5.5]);
-        // Across the end of the turn, at -45 degrees: the angles continue without a jump.
-        assert_near(around_z(&[[0.25, -0.5], [0.5, -0.25], [0.6, 0.0]]), [6.5, 8.0]);
-        // The result depends neither on the first corner nor on the orientation.
-        let mut polygon = vec![[0.25, -0.5], [0.5, -0.25], [0.6, 0.1], [0.2, 0.0]];
-        let expected = around_z(&polygon).unwrap();
-        for _ in 0..4 {
-            polygon.rotate_left(1);
-            assert_near(around_z(&polygon), expected);
-            let mut reversed = polygon.clone();
-            reversed.reverse();
-            assert_near(around_z(&reversed), expected);
+    fn polygons_have_the_angles_that_they_reach_across() {
+        let tiny = 0.1 * TOUCH;
+        let bend = vec![[0.25, -0.5], [0.5, -0.25], [0.6, 0.1], [0.2, 0.0]];
+        let end_of_bend = around_z(&bend).unwrap();
+        for (name, polygon, expected) in [
+            ("beside the axis", vec![[0.5, 0.0], [0.5, 0.25], [0.25, 0.25]], [0.0, 1.0]),
+            ("a corner on the axis", vec![[0.0, 0.0], [0.5, 0.0], [0.25, 0.25]], [0.0, 1.0]),
+            ("a wide angle", vec![[-0.5, 0.5], [-0.5, -0.5], [-0.25, -0.5]], [3.0, 5.5]),
+            // At -45 degrees, the angles continue without a jump.
+            ("across the end of the turn", vec![[0.25, -0.5], [0.5, -0.25], [0.6, 0.0]], [6.5, 8.0]),
+            ("four corners across the end", bend, end_of_bend),
+            ("around the axis", vec![[0.5, 0.1], [-0.3, 0.4], [-0.2, -0.6]], [-1.0, TURN - 1.0]),
+            ("tiny, on the axis", vec![[tiny, 0.0], [0.0, tiny], [-tiny, -tiny]], [0.0; 2]),
+            ("tiny, off the axis", vec![[0.5, 0.25], [0.5, 0.25 + tiny], [0.5 + tiny, 0.25]], [0.5; 2]),
+            ("small, near the axis", vec![[1e-10, 0.0], [1e-10, 1e-10], [2e-10, 1e-10]], [0.0, 1.0]),
+        ] {
+            let mut polygon = polygon;
+            for _ in 0..polygon.len() {
+                polygon.rotate_left(1);
+                let reversed: Vec<[f64; 2]> = polygon.iter().rev().copied().collect();
+                for polygon in [&polygon, &reversed] {
+                    let found = around_z(polygon).unwrap_or_else(|| panic!("{name}: no angles"));
+                    assert!((0..2).all(|i| (found[i] - expected[i]).abs() < 1e-12), "{name}: {found:?}");
+                }
+            }
         }
-    }
-
-    #[test]
-    fn a_polygon_around_the_axis_covers_the_full_turn() {
-        let polygon = [[0.5, 0.1], [-0.3, 0.4], [-0.2, -0.6]];
-        assert_eq!(around_z(&polygon), Some([-1.0, TURN - 1.0]));
-        let reversed = [polygon[2], polygon[1], polygon[0]];
-        assert_eq!(around_z(&reversed), Some([-1.0, TURN - 1.0]));
     }
 
     #[test]
     fn an_edge_through_the_axis_has_no_interval() {
         assert_eq!(around_z(&[[0.5, 0.0], [0.0, 0.5], [-0.5, 0.0]]), None);
         assert!(around_z(&[[0.5, 0.0], [0.0, 0.5], [-0.5, 1e-3]]).is_some());
-    }
-
-    #[test]
-    fn tiny_polygons_have_an_interval() {
-        let tiny = 0.1 * TOUCH;
-        assert_eq!(around_z(&[[tiny, 0.0], [0.0, tiny], [-tiny, -tiny]]), Some([0.0; 2]), "on the axis");
-        let [low, high] = around_z(&[[0.5, 0.25], [0.5, 0.25 + tiny], [0.5 + tiny, 0.25]]).unwrap();
-        assert!(low == high && (low - 0.5).abs() < 1e-12, "{low} {high}");
-        // Small and near the axis: everything that it reaches across counts.
-        let [low, high] = around_z(&[[1e-10, 0.0], [1e-10, 1e-10], [2e-10, 1e-10]]).unwrap();
-        assert_eq!([low, high], [0.0, 1.0]);
     }
 
     #[test]
@@ -346,8 +332,7 @@ mod tests {
     }
 
     fn trees(positions: Vec<[f32; 3]>) -> Vec<Tree> {
-        let hull = hull::build(&PointSet::of_positions(positions)).unwrap();
-        let map = GaussMap::new(&hull);
+        let map = GaussMap::new(&hull_of(positions));
         (0..6).map(|face| subdivide(&map, face, 6, Cuts::FansAndPlanes)).collect()
     }
 

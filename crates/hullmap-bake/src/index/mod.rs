@@ -166,14 +166,12 @@ fn finish(hull: &Hull, kind: IndexKind, roots: &[Tree]) -> Result<Index, BakeErr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hull;
-    use hullmap_geometry::PointSet;
+    use crate::test_meshes::hull_of;
+    use shapes::families;
 
     #[test]
     fn the_binary_tree_has_no_fans() {
-        let positions = shapes::families::prism(2_000, 0);
-        let set = PointSet::of_positions(positions);
-        let hull = hull::build(&set).unwrap();
+        let hull = hull_of(families::prism(2_000, 0));
         let nodes = |kind: IndexKind| build(&hull, kind).unwrap().cost.nodes;
         let [fans, halves] = [IndexKind::Tree, IndexKind::Binary].map(nodes);
         println!("nodes: {fans} with fans, {halves} without");
@@ -182,9 +180,7 @@ mod tests {
 
     #[test]
     fn an_unproven_index_is_replaced_by_a_simpler_one() {
-        let positions = shapes::families::rock(200, 3);
-        let set = PointSet::of_positions(positions);
-        let hull = hull::build(&set).unwrap();
+        let hull = hull_of(families::rock(200, 3));
         // Every lane of block 1 holds the same vertex.
         let damaged = |kinds: &'static [IndexKind]| {
             move |hull: &Hull, kind: IndexKind| {

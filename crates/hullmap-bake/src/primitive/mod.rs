@@ -31,7 +31,7 @@ use crate::{
     fit::{Accuracy, Fit, Solid, protrusion},
     hull::Hull,
 };
-use hullmap_geometry::{PointSet, planes};
+use hullmap_geometry::{PointSet, bounds, planes};
 
 /// Distance by which primitives are larger than the smallest one around their points, relative to
 /// the diagonal: more than rounding to stored coordinates moves a point.
@@ -87,15 +87,12 @@ pub fn primitives(
 pub fn contained(mesh: &PointSet, part: &Hull, uncovered: f64, diagonal: f64) -> Vec<DVec3> {
     let room = uncovered + MARGIN * diagonal;
     let planes: Vec<_> = part.half_spaces().into_iter().map(|plane| plane.moved(room)).collect();
-    let positions = part.positions();
-    let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min) - room;
-    let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) + room;
-    let at = |v: u32| DVec3::from_array(mesh.positions[v as usize].map(f64::from));
+    let [low, high] = bounds(part.positions());
     let mut points = Vec::new();
     for triangle in &mesh.triangles {
-        let corners = triangle.map(at);
-        let is_apart = |p: fn(DVec3, DVec3) -> DVec3| corners.into_iter().reduce(p).unwrap_or_default();
-        if is_apart(DVec3::min).cmpgt(high).any() || is_apart(DVec3::max).cmplt(low).any() {
+        let corners = mesh.corners(triangle);
+        let [least, greatest] = bounds(corners);
+        if least.cmpgt(high + room).any() || greatest.cmplt(low - room).any() {
             continue;
         }
         points.extend(planes::divide(&corners, &planes, 0.0).0);

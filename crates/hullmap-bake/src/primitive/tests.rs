@@ -4,62 +4,40 @@
 
 use glam::{DMat3, DQuat};
 use hullmap_format::PrimitiveKind;
-use shapes::{
-    mesh::Mesh,
-    rng::SplitMix64,
-    solids::{extrusion, lathe},
-};
+use hullmap_geometry::triangle;
+use shapes::{mesh::Mesh, rng::SplitMix64, solids::lathe};
 
 use super::*;
 use crate::{
     decompose::{Cover, Length, decompose},
     fit::fits,
     hull,
+    test_meshes::{block, in_triangle, joined, point_set},
 };
 
 const SEED: u64 = 43;
 
 const POINTS: usize = 1_500;
 
-fn turned(mesh: &Mesh) -> PointSet {
+fn turned(mut mesh: PointSet) -> PointSet {
     let turn = DMat3::from_quat(DQuat::from_xyzw(0.09, 0.18, 0.27, 0.94).normalize());
-    let place = |p: &[f32; 3]| (turn * DVec3::from_array(p.map(f64::from)) + 0.25).as_vec3().to_array();
-    PointSet {
-        name: "mesh".into(),
-        triangles: mesh.fans(),
-        ..PointSet::of_positions(mesh.vertices.iter().map(place).collect())
+    for p in &mut mesh.positions {
+        *p = (turn * DVec3::from_array(p.map(f64::from)) + 0.25).as_vec3().to_array();
     }
-}
-
-fn corners(mesh: &PointSet, triangle: &[u32; 3]) -> [DVec3; 3] {
-    triangle.map(|v| DVec3::from_array(mesh.positions[v as usize].map(f64::from)))
-}
-
-fn from_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
-    let along = b - a;
-    let t = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
-    p.distance(a + along * t)
-}
-
-fn from_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
-    let normal = (b - a).cross(c - a).normalize_or_zero();
-    let is_above = [(a, b), (b, c), (c, a)].iter().all(|(u, v)| (*v - *u).cross(p - *u).dot(normal) >= 0.0);
-    if is_above {
-        return normal.dot(p - a).abs();
-    }
-    from_segment(p, a, b).min(from_segment(p, b, c)).min(from_segment(p, c, a))
+    mesh
 }
 
 fn from_solid(mesh: &PointSet, p: DVec3) -> f64 {
     let angle = |triangle: &[u32; 3]| {
-        let [a, b, c] = corners(mesh, triangle).map(|corner| corner - p);
+        let [a, b, c] = mesh.corners(triangle).map(|corner| corner - p);
         let [x, y, z] = [a, b, c].map(DVec3::length);
         2.0 * libm::atan2(a.dot(b.cross(c)), x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y)
     };
     if mesh.triangles.iter().map(angle).sum::<f64>().abs() > 2.0 * std::f64::consts::PI {
         return 0.0;
     }
-    mesh.triangles.iter().map(|triangle| from_triangle(p, corners(mesh, triangle))).fold(f64::INFINITY, f64::min)
+    let distance = |corners: &[u32; 3]| triangle::nearest(&mesh.corners(corners), p).distance(p);
+    mesh.triangles.iter().map(distance).fold(f64::INFINITY, f64::min)
 }
 
 fn on_surface(rng: &mut SplitMix64, primitive: &Primitive) -> DVec3 {
@@ -101,10 +79,7 @@ fn judged(name: &str, mesh: &PointSet, error: f64) -> Vec<Option<PrimitiveKind>>
     let room = 1e-6 * diagonal;
     for _ in 0..POINTS {
         let triangle = &mesh.triangles[rng.below(mesh.triangles.len())];
-        let [a, b, c] = corners(mesh, triangle);
-        let (u, v) = (rng.unit(), rng.unit());
-        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-        let p = a + (b - a) * u + (c - a) * v;
+        let p = in_triangle(&mesh.corners(triangle), &mut rng);
         let is_in = |part: usize| match found[part] {
             Some(proven) => proven.primitive.holds(p, 0.0),
             None => planes[part].iter().all(|plane| plane.height(p) <= room),
@@ -133,34 +108,25 @@ fn bodies_of_one_primitive_are_found() {
     println!("seed {SEED}");
     let flat = [[0.0, -1.5], [0.8, -1.5], [0.8, 1.5], [0.0, 1.5]];
     for (name, mesh, kind) in [
-        ("ball", lathe(&rounded(0.0, 12), 32), PrimitiveKind::Sphere),
-        ("capsule", lathe(&rounded(1.5, 12), 32), PrimitiveKind::Capsule),
-        ("cylinder", lathe(&flat, 40), PrimitiveKind::Cylinder),
-        ("box", extrusion(&[[0.0, 0.0], [1.0, 0.0], [1.0, 2.0], [0.0, 2.0]], 0.0, 3.0), PrimitiveKind::Box),
+        ("ball", point_set(&lathe(&rounded(0.0, 12), 32)), PrimitiveKind::Sphere),
+        ("capsule", point_set(&lathe(&rounded(1.5, 12), 32)), PrimitiveKind::Capsule),
+        ("cylinder", point_set(&lathe(&flat, 40)), PrimitiveKind::Cylinder),
+        ("box", block([0.0; 3], [1.0, 2.0, 3.0]), PrimitiveKind::Box),
     ] {
-        assert_eq!(judged(name, &turned(&mesh), 0.02), [Some(kind)], "{name}");
+        assert_eq!(judged(name, &turned(mesh), 0.02), [Some(kind)], "{name}");
     }
 }
 
-fn table() -> Mesh {
-    let slab = |low: [f64; 3], high: [f64; 3]| {
-        let outline = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]];
-        extrusion(&outline, low[2], high[2])
-    };
-    let mut table = slab([0.0, 0.0, 0.0], [3.0, 2.0, 0.2]);
-    for (x, y, length) in [(0.1, 0.1, 1.5), (2.6, 0.1, 1.2), (0.1, 1.6, 1.0), (2.6, 1.6, 1.4)] {
-        let leg = slab([x, y, -length], [x + 0.3, y + 0.3, 0.0]);
-        let start = table.vertices.len() as u32;
-        table.vertices.extend(&leg.vertices);
-        table.faces.extend(leg.faces.iter().map(|face| face.iter().map(|v| v + start).collect::<Vec<_>>()));
-    }
-    table
+fn table() -> PointSet {
+    let legs = [(0.1, 0.1, 1.5), (2.6, 0.1, 1.2), (0.1, 1.6, 1.0), (2.6, 1.6, 1.4)]
+        .map(|(x, y, length)| block([x, y, -length], [x + 0.3, y + 0.3, 0.0]));
+    joined(&[&[block([0.0; 3], [3.0, 2.0, 0.2])], legs.as_slice()].concat())
 }
 
 #[test]
 fn a_table_of_boxes_becomes_boxes() {
     println!("seed {SEED}");
-    assert_eq!(judged("table", &turned(&table()), 0.01), [Some(PrimitiveKind::Box); 5]);
+    assert_eq!(judged("table", &turned(table()), 0.01), [Some(PrimitiveKind::Box); 5]);
 }
 
 #[test]
@@ -182,6 +148,6 @@ fn pieces_of_a_ring_stay_hulls() {
             mesh.faces.push(vec![at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1)]);
         }
     }
-    let kinds = judged("ring", &turned(&mesh), 0.01);
+    let kinds = judged("ring", &turned(point_set(&mesh)), 0.01);
     assert!(kinds.len() > 5 && kinds.iter().all(Option::is_none), "{kinds:?}");
 }

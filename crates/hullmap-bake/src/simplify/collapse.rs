@@ -489,19 +489,10 @@ mod tests {
     use shapes::families::Family;
 
     use super::*;
-    use crate::{
-        hull::{self, Hull},
-        simplify::wrap::wrap,
-    };
-    use hullmap_geometry::PointSet;
+    use crate::{hull::Hull, simplify::wrap::wrap, test_meshes::hull_of};
 
     const FAMILIES: [Family; 6] =
         [Family::Sphere, Family::Rock, Family::Lens, Family::Needle, Family::Cone, Family::CubeGrid];
-
-    fn build(family: Family, count: usize) -> Hull {
-        let positions = family.points(count, 2);
-        hull::build(&PointSet::of_positions(positions)).unwrap()
-    }
 
     fn start(hull: &Hull, nearest: &Nearest, max_vertices: usize) -> Wrapped {
         let wrapped = (1..12)
@@ -519,7 +510,7 @@ mod tests {
     fn bounds_are_below_distances() {
         let (mut all, mut good) = (0, 0);
         for family in FAMILIES {
-            let hull = build(family, 1_200);
+            let hull = hull_of(family.points(1_200, 2));
             let nearest = Nearest::new(&hull);
             for max_vertices in [40, 200] {
                 let mut collapse = Collapse::new(&nearest, start(&hull, &nearest, max_vertices), hull.diameter);
@@ -545,7 +536,7 @@ mod tests {
     #[test]
     fn pending_edges_change_nothing() {
         for family in FAMILIES {
-            let hull = build(family, 1_200);
+            let hull = hull_of(family.points(1_200, 2));
             let nearest = Nearest::new(&hull);
             let collapsed = |max_pending: usize| -> Vec<(u32, [u64; 3])> {
                 let start = start(&hull, &nearest, 300);
@@ -565,7 +556,7 @@ mod tests {
     fn planes_touch_where_slow_ones_do() {
         let (mut all, mut certain) = (0, 0);
         for family in FAMILIES {
-            let hull = build(family, 1_200);
+            let hull = hull_of(family.points(1_200, 2));
             let nearest = Nearest::new(&hull);
             for max_vertices in [8, 40, 200] {
                 let collapse = Collapse::new(&nearest, start(&hull, &nearest, max_vertices), hull.diameter);

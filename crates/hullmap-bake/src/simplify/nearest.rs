@@ -22,6 +22,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::hull::{Hull, adjacency::Adjacency};
+use hullmap_geometry::bounds;
 
 /// Maximum number of steps, after which the best point is returned; three to eight are common.
 const MAX_STEPS: usize = 60;
@@ -249,13 +250,7 @@ impl Nearest {
     fn guided(&self, direction: DVec3) -> Option<(u32, f64)> {
         let guide = self.guide.as_ref()?;
         let size = direction.abs();
-        let axis = if size.x >= size.y && size.x >= size.z {
-            0
-        } else if size.y >= size.z {
-            1
-        } else {
-            2
-        };
+        let axis = size.max_position();
         let face = 2 * axis + usize::from(direction[axis] < 0.0);
         let cell = |axis: usize| {
             let at = (direction[axis % 3] / size.max_element() + 1.0) * 0.5;
@@ -433,8 +428,7 @@ impl Nearest {
 
 /// Indices of points in their order along the Morton curve through their bounding box.
 fn along_morton_curve(points: &[DVec3]) -> Vec<u32> {
-    let low = points.iter().fold(DVec3::INFINITY, |low, p| low.min(*p));
-    let high = points.iter().fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));
+    let [low, high] = bounds(points.iter().copied());
     let cells = f64::from((1_u32 << MORTON_BITS) - 1);
     let code = |p: DVec3| -> u32 {
         // Casts turn the NaN of a flat box into 0.
@@ -525,8 +519,8 @@ mod tests {
     use shapes::{families::Family, rng::SplitMix64};
 
     use super::*;
-    use crate::hull;
-    use hullmap_geometry::PointSet;
+    use crate::test_meshes::{hull_of, surface_of};
+    use hullmap_geometry::{PointSet, triangle};
 
     /// The point nearest to the origin in the plane or line of the corners, if between them.
     fn inside_face(corners: &[DVec3]) -> Option<DVec3> {
@@ -569,36 +563,18 @@ mod tests {
     }
 
     /// The slow twin: the nearest point on all faces, as triangle fans.
-    fn slow(hull: &Hull, target: DVec3) -> f64 {
-        let points = hull.positions();
-        let mut best = f64::INFINITY;
-        for face in &hull.faces {
-            for i in 1..face.len() - 1 {
-                let corners = [face[0], face[i], face[i + 1]].map(|v| points[v as usize] - target);
-                for set in [vec![0], vec![1], vec![2], vec![0, 1], vec![1, 2], vec![0, 2], vec![0, 1, 2]] {
-                    let chosen: Vec<DVec3> = set.iter().map(|i: &usize| corners[*i]).collect();
-                    best = best.min(inside_face(&chosen).map_or(f64::INFINITY, |p| p.length()));
-                }
-            }
-        }
-        best
+    fn slow(surface: &PointSet, target: DVec3) -> f64 {
+        let distance = |corners: &[u32; 3]| triangle::nearest(&surface.corners(corners), target).distance(target);
+        surface.triangles.iter().map(distance).fold(f64::INFINITY, f64::min)
     }
 
-    fn is_inside(hull: &Hull, target: DVec3) -> bool {
-        let points = hull.positions();
-        hull.faces.iter().all(|face| {
-            let [a, b, c] = [0, 1, 2].map(|i| points[face[i] as usize]);
-            (b - a).cross(c - a).dot(target - a) <= 0.0
-        })
-    }
-
-    fn slow_climb(hull: &Hull, neighbours: &[Vec<u32>], direction: DVec3, from: u32) -> u32 {
+    fn slow_climb(hull: &Hull, adjacency: &Adjacency, direction: DVec3, from: u32) -> u32 {
         let points = hull.positions();
         let mut best = (points[from as usize].dot(direction), from);
         let mut is_sampled = false;
         for step in 0.. {
             let before = best.1;
-            for &next in &neighbours[before as usize] {
+            for &next in adjacency.neighbours(before) {
                 let height = points[next as usize].dot(direction);
                 if height > best.0 {
                     best = (height, next);
@@ -666,12 +642,11 @@ mod tests {
         let mut guided = 0;
         for family in Family::ALL {
             for far in [0.0_f32, 300.0] {
-                let positions: Vec<[f32; 3]> = family.points(900, 3).iter().map(|p| p.map(|c| c + far)).collect();
-                let hull = hull::build(&PointSet::of_positions(positions)).unwrap();
+                let hull = hull_of(family.points(900, 3).iter().map(|p| p.map(|c| c + far)).collect());
                 if hull.rank < 2 {
                     continue;
                 }
-                let (nearest, neighbours) = (Nearest::new(&hull), hull.neighbours());
+                let (nearest, adjacency) = (Nearest::new(&hull), Adjacency::new(&hull));
                 let points = hull.positions();
                 for round in 0..600 {
                     let mut any = || points[rng.below(points.len())];
@@ -681,7 +656,7 @@ mod tests {
                         _ => any() - any(),
                     };
                     let from = rng.below(points.len()) as u32;
-                    let slow = slow_climb(&hull, &neighbours, direction, from);
+                    let slow = slow_climb(&hull, &adjacency, direction, from);
                     assert_eq!(nearest.climb(direction, from), slow, "{family:?} {far} {round}, seed {SEED}");
                     assert_eq!(nearest.farthest(direction), nearest.scan(direction), "{family:?} {far} {round}");
                     guided += usize::from(nearest.guided(direction).is_some());
@@ -700,28 +675,25 @@ mod tests {
     fn agrees_with_all_faces() {
         let mut rng = SplitMix64::new(4);
         for family in [Family::Sphere, Family::Rock, Family::Cone, Family::Prism, Family::Needle, Family::CubeGrid] {
-            let positions = family.points(216, 3);
-            let hull = hull::build(&PointSet::of_positions(positions)).unwrap();
-            let nearest = Nearest::new(&hull);
+            let hull = hull_of(family.points(216, 3));
+            let (nearest, surface, half_spaces) = (Nearest::new(&hull), surface_of(&hull), hull.half_spaces());
             let (mut start, mut outside) = (0, 0);
             for round in 0..300 {
                 let far = [1.01, 1.2, 3.0][round % 3];
                 let inside = nearest.middle().lerp(on_surface(&nearest, &mut rng), rng.between(0.0, 1.0));
-                assert!(nearest.certain(inside).point.distance(inside) <= 1e-9 * hull.diameter, "{family:?} {round}");
-                assert!(
-                    nearest.nearest_from(inside, start).point.distance(inside) <= 1e-9 * hull.diameter,
-                    "{family:?} {round}"
-                );
-                let on = nearest.position(nearest.farthest(DVec3::from_array(rng.direction())));
+                for found in [nearest.certain(inside), nearest.nearest_from(inside, start)] {
+                    assert!(found.point.distance(inside) <= 1e-9 * hull.diameter, "{family:?} {round}");
+                }
+                let on = on_surface(&nearest, &mut rng);
                 let target = on
                     + (on - nearest.middle()) * (far - 1.0)
                     + DVec3::from_array(rng.direction()) * (far - 1.0) * 0.02 * hull.diameter;
                 // Inside a thin hull, the distance is 0.
-                if is_inside(&hull, target) {
+                if half_spaces.iter().all(|plane| plane.height(target) <= 0.0) {
                     continue;
                 }
                 outside += 1;
-                let expected = slow(&hull, target);
+                let expected = slow(&surface, target);
                 let certain = nearest.certain(target).point.distance(target);
                 let climbed = nearest.nearest_from(target, start);
                 start = climbed.vertex;

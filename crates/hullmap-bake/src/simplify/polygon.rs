@@ -13,7 +13,7 @@ use std::{cmp::Reverse, collections::BinaryHeap};
 use glam::DVec3;
 
 use super::rounding::{MAX_TRIES, PUSH, ROUNDING, Simplified};
-use crate::hull::{self, Hull, area::area_vector};
+use crate::hull::{self, Hull, area::area_vector, certify::distance_to_segment};
 use crate::limit::Limit;
 
 const MIN_VERTICES: usize = 3;
@@ -110,12 +110,6 @@ fn outline(ring: &[DVec3], normal: DVec3, max_vertices: usize, reach: f64) -> Ve
         }
     }
     (0..count).filter(|line| is_left[*line]).filter_map(|line| meet(last[line], line)).collect()
-}
-
-fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
-    let along = b - a;
-    let t = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
-    p.distance(a + along * t)
 }
 
 fn distance_to_polygon(p: DVec3, ring: &[DVec3], normal: DVec3) -> f64 {

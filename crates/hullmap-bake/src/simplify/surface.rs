@@ -7,6 +7,7 @@ use glam::DVec3;
 use crate::hull::{
     Hull,
     area::{area_vector_from, triangle_area_vector},
+    quickhull::exact_above,
 };
 
 const NONE: u32 = u32::MAX;
@@ -83,7 +84,7 @@ impl Surface {
     /// swapped if that is required to orient the surface outward.
     pub fn tetrahedron(points: [DVec3; 4]) -> Self {
         let [a, b, c, d] = points;
-        let points = if side_of_plane([a, b, c], d) < 0.0 { vec![a, b, c, d] } else { vec![a, c, b, d] };
+        let points = if exact_above(a, b, c, d) < 0.0 { vec![a, b, c, d] } else { vec![a, c, b, d] };
         let triangles =
             [([0, 1, 2], [3, 1, 2]), ([2, 1, 3], [0, 3, 2]), ([0, 2, 3], [0, 1, 3]), ([1, 0, 3], [0, 2, 1])];
         let triangles = triangles.map(|(corners, across)| Triangle { corners, across }).to_vec();
@@ -197,7 +198,8 @@ impl Surface {
     }
 
     fn is_above(&self, p: DVec3, corners: [u32; 3]) -> bool {
-        side_of_plane(corners.map(|v| self.point(v)), p) > 0.0
+        let [a, b, c] = corners.map(|v| self.point(v));
+        exact_above(a, b, c, p) > 0.0
     }
 
     /// Moves a vertex if the surface stays convex. Otherwise, returns false and changes nothing.
@@ -214,7 +216,8 @@ impl Surface {
                 let other = self.triangles[triangle.across[side] as usize];
                 let [from, to] = [triangle.corners[side], triangle.corners[(side + 1) % 3]];
                 let far = other.corners.into_iter().find(|c| *c != from && *c != to).expect("a third corner");
-                side_of_plane(triangle.corners.map(|v| self.point(v)), self.point(far)) < 0.0
+                let [a, b, c] = triangle.corners.map(|v| self.point(v));
+                exact_above(a, b, c, self.point(far)) < 0.0
             };
             if !is_bent(i) || !is_bent((i + 1) % 3) {
                 break false;
@@ -338,13 +341,6 @@ struct Visible {
     corners: Vec<u32>,
     /// Edges around the triangles, each with the triangle outside, ascending by their starts.
     horizon: Vec<(u32, u32, u32)>,
-}
-
-/// Positive if `p` lies above the plane of the corners (counter-clockwise seen from above), zero if
-/// it lies in the plane. The sign is exact.
-fn side_of_plane([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
-    let coord = |v: DVec3| robust::Coord3D { x: v.x, y: v.y, z: v.z };
-    -robust::orient3d(coord(a), coord(b), coord(c), coord(p))
 }
 
 #[cfg(test)]

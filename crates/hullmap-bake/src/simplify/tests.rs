@@ -3,12 +3,8 @@
 use shapes::{families::Family, rng::SplitMix64};
 
 use super::*;
+use crate::test_meshes::hull_of;
 use hullmap_format::archive::NO_SOURCE_VERTEX;
-use hullmap_geometry::PointSet;
-
-fn build(positions: Vec<[f32; 3]>) -> Hull {
-    hull::build(&PointSet::of_positions(positions)).unwrap()
-}
 
 fn reach(hull: &Hull, direction: DVec3) -> f64 {
     hull.positions().iter().map(|p| p.dot(direction)).fold(f64::NEG_INFINITY, f64::max)
@@ -50,7 +46,7 @@ fn contains_the_hull_within_the_reported_error() {
     for family in Family::ALL {
         for far in [0.0_f32, 50.0] {
             let positions: Vec<[f32; 3]> = family.points(250, 1).iter().map(|p| [p[0] + far, p[1], p[2]]).collect();
-            let hull = build(positions);
+            let hull = hull_of(positions);
             let mut before = f64::INFINITY;
             for max_vertices in [4, 12, 40, 128] {
                 let Some(found) = simplify(&hull, Limit::Vertices(max_vertices)).unwrap() else {
@@ -75,7 +71,7 @@ fn contains_the_hull_within_the_reported_error() {
 #[test]
 fn distance_limits_are_kept_with_few_vertices() {
     for family in Family::ALL {
-        let hull = build(family.points(300, 2));
+        let hull = hull_of(family.points(300, 2));
         let mut before = hull.vertices.len();
         for share in [1e-4, 1e-3, 1e-2, 1e-1] {
             let distance = share * hull.diameter;
@@ -94,19 +90,19 @@ fn distance_limits_are_kept_with_few_vertices() {
 
 #[test]
 fn invalid_limits_are_rejected_and_satisfied_limits_change_nothing() {
-    let hull = build(Family::Rock.points(300, 1));
+    let hull = hull_of(Family::Rock.points(300, 1));
     assert!(matches!(simplify(&hull, Limit::Vertices(3)), Err(BakeError::TooFewVertices { requested: 3 })));
     assert!(simplify(&hull, Limit::Distance(-1.0)).is_err() && simplify(&hull, Limit::Distance(f64::NAN)).is_err());
     assert!(simplify(&hull, Limit::Distance(0.0)).unwrap().is_none());
     assert!(simplify(&hull, Limit::Vertices(hull.vertices.len())).unwrap().is_none());
-    assert!(simplify(&build(vec![[0.0; 3], [1.0, 2.0, 3.0]]), Limit::Vertices(4)).unwrap().is_none());
+    assert!(simplify(&hull_of(vec![[0.0; 3], [1.0, 2.0, 3.0]]), Limit::Vertices(4)).unwrap().is_none());
 }
 
 /// A sphere has a known optimum: the best known polytopes with n vertices around a ball exceed it
 /// by about 2.42 / n of its radius.
 #[test]
 fn a_ball_is_left_by_less_than_twice_the_best_known() {
-    let hull = build(Family::Sphere.points(5_000, 1));
+    let hull = hull_of(Family::Sphere.points(5_000, 1));
     for max_vertices in [16, 64, 256] {
         let found = simplify(&hull, Limit::Vertices(max_vertices)).unwrap().unwrap();
         let error = found.outer_error / (0.5 * hull.diameter);

@@ -36,7 +36,7 @@ pub fn mirrors_of_mesh(mesh: &PointSet, solid: &Solid) -> Vec<Mirror> {
     let is_mirrored = |mirror: &Mirror| {
         let step = mesh.triangles.len().div_ceil(MAX_TRIANGLES);
         mesh.triangles.iter().step_by(step.max(1)).all(|corners| {
-            let corners = corners.map(|v| DVec3::from_array(mesh.positions[v as usize].map(f64::from)));
+            let corners = mesh.corners(corners);
             let centre = triangle::centroid(&corners);
             let within = 2.0 * (search::tolerance(&points) + solid.tolerance());
             // The image of one point could lie on the edge of a hole.

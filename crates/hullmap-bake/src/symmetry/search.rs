@@ -22,7 +22,7 @@ use std::collections::{HashMap, HashSet};
 use glam::DVec3;
 
 use super::mirror::Mirror;
-use hullmap_geometry::planes::HalfSpace;
+use hullmap_geometry::{bits, bounds, planes::HalfSpace};
 
 /// Distance of matching points, relative to the diagonal: files of six digits have such errors.
 const MATCH: f64 = 1e-6;
@@ -40,12 +40,8 @@ const SAMPLE: usize = 64;
 const LEAST_STEP: f64 = 1e-2;
 
 pub fn tolerance(points: &[[f32; 3]]) -> f64 {
-    let [low, high] = bounds(&points.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect::<Vec<_>>());
+    let [low, high] = bounds(points.iter().map(|p| DVec3::from_array(p.map(f64::from))));
     MATCH * low.distance(high) + ROUNDING * low.abs().max(high.abs()).max_element()
-}
-
-fn bounds(points: &[DVec3]) -> [DVec3; 2] {
-    points.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| [low.min(*p), high.max(*p)])
 }
 
 /// The planes about which distinct points are symmetric, the preferred one first.
@@ -77,7 +73,7 @@ struct Points {
 
 impl Points {
     fn new(points: Vec<DVec3>, tolerance: f64) -> Self {
-        let [low, high] = bounds(&points);
+        let [low, high] = bounds(points.iter().copied());
         let exact = points.iter().map(|p| bits(*p)).collect();
         let mut set = Self { points, exact, cells: HashMap::new(), low, high, tolerance };
         for k in 0..set.points.len() {
@@ -157,8 +153,4 @@ impl Points {
         // The first point of a cell stands for all.
         gaps.reduce(f64::min).filter(|gap| *gap <= 3.0 * self.tolerance)
     }
-}
-
-fn bits(p: DVec3) -> [u64; 3] {
-    (p + 0.0).to_array().map(f64::to_bits)
 }

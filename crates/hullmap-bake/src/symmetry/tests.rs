@@ -1,10 +1,7 @@
-use shapes::{concave, mesh::Mesh, rng::SplitMix64};
+use shapes::{concave, rng::SplitMix64};
 
 use super::*;
-
-fn point_set(mesh: &Mesh) -> PointSet {
-    PointSet { triangles: mesh.fans(), ..PointSet::of_positions(mesh.vertices.clone()) }
-}
+use crate::test_meshes::{block, corners, mesh, point_set};
 
 fn mirrored_cloud(rng: &mut SplitMix64, count: usize, plane: (DVec3, f64)) -> Vec<[f32; 3]> {
     let mut points = Vec::new();
@@ -81,7 +78,7 @@ fn symmetric_vertices_may_have_a_surface_that_is_not() {
     let positions = [side(1.0), side(-1.0)].concat();
     let own = [[0, 1, 2], [0, 2, 3]];
     for (other, is_symmetric) in [([[4, 6, 5], [4, 7, 6]], true), ([[5, 4, 7], [5, 7, 6]], false)] {
-        let mesh = PointSet { triangles: [own, other].concat(), ..PointSet::of_positions(positions.clone()) };
+        let mesh = mesh(positions.clone(), [own, other].concat());
         let found = mirrors_of_mesh(&mesh, &Solid::new(&mesh)).first().copied();
         assert_eq!(found.map(|mirror| mirror.to_string()).as_deref(), is_symmetric.then_some("x = 0"));
     }
@@ -90,7 +87,7 @@ fn symmetric_vertices_may_have_a_surface_that_is_not() {
 /// Regression: the reflected centroid lies on the edge of the hole, and counted as on the surface.
 #[test]
 fn a_box_without_one_triangle_is_not_symmetric() {
-    let whole = point_set(&shapes::solids::extrusion(&[[0.0, 0.0], [1.0, 0.0], [1.0, 2.0], [0.0, 2.0]], 0.0, 3.0));
+    let whole = block([0.0; 3], [1.0, 2.0, 3.0]);
     let planes =
         |mesh: &PointSet| mirrors_of_mesh(mesh, &Solid::by(mesh, crate::fit::SolidRule::Walls)).first().copied();
     assert!(planes(&whole).is_some());
@@ -103,9 +100,7 @@ fn a_box_without_one_triangle_is_not_symmetric() {
 
 #[test]
 fn parts_need_images_and_not_only_vertices() {
-    let part = |x: [f32; 2]| -> Vec<[f32; 3]> {
-        (0..8).map(|i| [x[i & 1], (i >> 1 & 1) as f32, (i >> 2) as f32 * 0.5]).collect()
-    };
+    let part = |[low, high]: [f32; 2]| corners([low, 0.0, 0.0], [high, 1.0, 0.5]);
     let of = |parts: &[Vec<[f32; 3]>]| {
         let parts: Vec<&[[f32; 3]]> = parts.iter().map(Vec::as_slice).collect();
         mirror_of_parts(&parts).map(|mirror| mirror.to_string())

@@ -26,7 +26,7 @@ use hullmap_format::{
     },
 };
 
-use crate::{baked_hull::SourceRecord, error::BakeError, file, pack::options_text};
+use crate::{baked_hull::SourceRecord, error::BakeError, file, hull::bounds, pack::options_text};
 pub use t_junctions::{TJunctions, t_junctions};
 
 /// Triangles of a source, with the vertices that they index.
@@ -229,13 +229,6 @@ fn renumber(vertices: &[[f32; 3]], triangles: &mut [[u32; 3]]) -> Vec<[f32; 3]> 
         *corner = *number;
     }
     ordered
-}
-
-fn bounds(vertices: &[[f32; 3]]) -> [[f32; 3]; 2] {
-    let component = |pick: fn(f32, f32) -> f32| -> [f32; 3] {
-        std::array::from_fn(|axis| vertices.iter().map(|v| v[axis]).reduce(pick).unwrap_or_default())
-    };
-    [component(f32::min), component(f32::max)]
 }
 
 #[cfg(test)]

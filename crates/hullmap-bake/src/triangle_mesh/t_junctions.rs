@@ -17,7 +17,10 @@ use glam::DVec3;
 use hullmap_format::triangle_mesh::class::EdgeClass;
 use rayon::prelude::*;
 
-use crate::fit::triangle_tree::{Bounds, TriangleTree};
+use crate::{
+    fit::triangle_tree::{Bounds, TriangleTree},
+    hull::bounds,
+};
 
 /// Maximum distance of a vertex on an edge, relative to the mesh's diagonal. Editors place such
 /// vertices in f32, with errors of a few times 6e-8 of the coordinates.
@@ -55,13 +58,9 @@ pub fn t_junctions(vertices: &[[f32; 3]], triangles: &[[u32; 3]], edge_classes: 
             ends.iter().for_each(|end| is_end[*end as usize] = true);
         }
     }
-    let bounds = Bounds::around(&[low(vertices), high(vertices)]);
-    let tolerance = TOLERANCE * (bounds.high - bounds.low).length();
-    let margin = DVec3::splat(tolerance);
-    let around = |edge: &Edge| {
-        let box_of_edge = Bounds::around(&[edge.from, edge.to]);
-        Bounds { low: box_of_edge.low - margin, high: box_of_edge.high + margin }
-    };
+    let [low, high] = bounds(vertices).map(|p| DVec3::from_array(p.map(f64::from)));
+    let tolerance = TOLERANCE * (high - low).length();
+    let around = |edge: &Edge| Bounds::around(&[edge.from, edge.to]).grown(tolerance);
     let tree = TriangleTree::of_boxes(edges.iter().map(around));
     let limit = VISITS_A_LEVEL * (edges.len().checked_ilog2().unwrap_or_default() as usize + 1);
     let ends: Vec<u32> = (0_u32..).zip(&is_end).filter(|(_, is_end)| **is_end).map(|(vertex, _)| vertex).collect();
@@ -93,12 +92,4 @@ fn is_between(p: DVec3, edge: &Edge, tolerance: f64) -> bool {
     let place = to_p.dot(along) / length;
     // NaN, of an edge without length, takes the failing branch.
     place > tolerance && length - place > tolerance && (to_p - along * (place / length)).length() <= tolerance
-}
-
-fn low(vertices: &[[f32; 3]]) -> DVec3 {
-    vertices.iter().map(|v| DVec3::from_array(v.map(f64::from))).reduce(DVec3::min).unwrap_or_default()
-}
-
-fn high(vertices: &[[f32; 3]]) -> DVec3 {
-    vertices.iter().map(|v| DVec3::from_array(v.map(f64::from))).reduce(DVec3::max).unwrap_or_default()
 }

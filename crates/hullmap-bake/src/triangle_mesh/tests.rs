@@ -5,6 +5,7 @@ use rkyv::util::AlignedVec;
 use shapes::rng::SplitMix64;
 
 use super::*;
+use crate::test_meshes::{block, on_threads};
 
 fn bake(positions: &[[f32; 3]], corners: &[[u32; 3]]) -> BakedTriangleMesh {
     bake_triangle_mesh(&Triangles { positions, corners, materials: &[] }).unwrap()
@@ -19,23 +20,22 @@ fn checked(baked: &BakedTriangleMesh) {
 }
 
 fn cube() -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
-    let corners = (0..8).map(|i: usize| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]).collect();
-    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    (corners, quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect())
+    let cube = block([0.0; 3], [1.0; 3]);
+    (cube.positions, cube.triangles)
 }
 
 #[test]
 fn a_cube_has_ridges_and_its_inside_has_valleys() {
     let (positions, corners) = cube();
-    let outside = bake(&positions, &corners);
-    assert_eq!(outside.counts().edges, [0, 12, 24, 0, 0, 0]);
-    assert!(outside.mesh.vertex_classes.iter().all(|class| *class == VertexClass::Convex.code()));
-    checked(&outside);
     let turned: Vec<[u32; 3]> = corners.iter().map(|[a, b, c]| [*a, *c, *b]).collect();
-    let inside = bake(&positions, &turned);
-    assert_eq!(inside.counts().edges, [0, 12, 0, 24, 0, 0]);
-    assert!(inside.mesh.vertex_classes.iter().all(|class| *class == VertexClass::Concave.code()));
-    checked(&inside);
+    for (corners, edges, class) in
+        [(corners, [0, 12, 24, 0, 0, 0], VertexClass::Convex), (turned, [0, 12, 0, 24, 0, 0], VertexClass::Concave)]
+    {
+        let baked = bake(&positions, &corners);
+        assert_eq!(baked.counts().edges, edges);
+        assert!(baked.mesh.vertex_classes.iter().all(|found| *found == class.code()));
+        checked(&baked);
+    }
 }
 
 #[test]
@@ -112,8 +112,7 @@ fn random_soups_pass_the_check() {
             let own = baked.mesh.triangles[at].map(|corner| baked.mesh.vertices[corner as usize]);
             assert_eq!(own, corners[*source as usize].map(|corner| positions[corner as usize].map(|c| c + 0.0)));
         }
-        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        let again = alone.install(|| bake(&positions, &corners));
+        let again = on_threads(1, || bake(&positions, &corners));
         let bytes = |baked: BakedTriangleMesh| write_triangle_mesh(baked, &SourceRecord::default()).unwrap();
         assert_eq!(bytes(again), bytes(baked));
     }
@@ -204,6 +203,5 @@ fn edges_that_cross_in_one_place_cost_no_square() {
     }
     let found = bake(&positions, &corners).t_junctions();
     assert!(!found.is_complete);
-    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    assert_eq!(alone.install(|| bake(&positions, &corners).t_junctions()), found);
+    assert_eq!(on_threads(1, || bake(&positions, &corners).t_junctions()), found);
 }

@@ -4,9 +4,9 @@ use std::sync::OnceLock;
 
 use glam::DVec3;
 
-use super::{body, extremes::Extremes, field::Field};
+use super::{extremes::Extremes, field::Field};
 use crate::{decompose::patch::Patch, fit::triangle_tree::Bounds, symmetry::Mirror};
-use hullmap_geometry::{planes, triangle};
+use hullmap_geometry::{bounds, planes, triangle};
 
 /// A small patch that is not divided unless a plane cuts it.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ pub struct Atom {
 impl Atom {
     /// An atom of a patch.
     pub fn new(patch: Patch) -> Self {
-        let (low, high) = body::bounds(&patch.points);
+        let [low, high] = bounds(patch.points.iter().copied());
         let mut atom = Self {
             patch,
             low,

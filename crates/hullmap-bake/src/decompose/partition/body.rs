@@ -10,7 +10,10 @@ use crate::hull::{
     polygon, quickhull,
     rank::{Simplex, spanning_simplex},
 };
-use hullmap_geometry::planes::{self, HalfSpace};
+use hullmap_geometry::{
+    bounds,
+    planes::{self, HalfSpace},
+};
 
 /// Thickness of flat trial bodies, relative to the diagonal.
 pub const THICKNESS: f64 = 2e-7;
@@ -50,7 +53,7 @@ impl Body {
     }
 
     fn of_distinct(points: Vec<DVec3>, thickness: f64) -> Self {
-        let (low, high) = bounds(&points);
+        let [low, high] = bounds(points.iter().copied());
         let (extreme, around) = match points.as_slice() {
             [] => return Self { low, high, ..Self::default() },
             _ => match spanning_simplex(&points) {
@@ -124,6 +127,16 @@ impl Body {
         if exit.is_finite() { exit.max(0.0) } else { 0.0 }
     }
 
+    /// The height of a point above the body's planes, and the largest face that it is nearly as high
+    /// above; `None` without planes.
+    pub fn face_below(&self, p: DVec3) -> Option<(f64, usize)> {
+        let heights: Vec<f64> = self.planes.iter().map(|plane| plane.height(p)).collect();
+        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let high = (0..heights.len()).filter(|face| heights[*face] >= 0.7 * highest);
+        let best = high.max_by(|a, b| self.areas[*a].total_cmp(&self.areas[*b]).then(b.cmp(a)));
+        best.map(|face| (highest, face))
+    }
+
     /// Length of the box's diagonal.
     pub fn diagonal(&self) -> f64 {
         if self.points.is_empty() { 0.0 } else { self.high.distance(self.low) }
@@ -140,19 +153,6 @@ pub fn farthest(points: &[DVec3], direction: DVec3) -> DVec3 {
         }
     }
     found
-}
-
-/// The axis along which a size is greatest.
-pub fn longest(size: DVec3) -> usize {
-    (0..3).fold(0, |longest, axis| if size[axis] > size[longest] { axis } else { longest })
-}
-
-/// Minimum and maximum of points.
-pub fn bounds(points: &[DVec3]) -> (DVec3, DVec3) {
-    (
-        points.iter().copied().fold(DVec3::INFINITY, DVec3::min),
-        points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max),
-    )
 }
 
 /// Number of points from which points deep inside the hull are dropped before it is built.

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::{
-    body::{Body, longest},
+    body::Body,
     conflicts::Conflicts,
     context::PartitionSearch,
     links::Links,
@@ -94,7 +94,7 @@ pub fn range(piece: &Piece, normal: DVec3) -> (f64, f64) {
 /// The plane across the longest side of a piece's box, in its middle.
 pub fn middle(piece: &Piece) -> HalfSpace {
     let Body { low, high, .. } = piece.body;
-    let normal = DVec3::AXES[longest(high - low)];
+    let normal = DVec3::AXES[(high - low).max_position()];
     HalfSpace { normal, offset: normal.dot(0.5 * (low + high)) }
 }
 
@@ -267,10 +267,10 @@ pub mod tests {
         decompose::{
             partition::{atom::Atom, field::Field, planes::FacePlanes, surface::Surface, wrap::HullLimits},
             patch::Patch,
-            tests::point_set,
         },
         fit::Solid,
         progress::Stage,
+        test_meshes::point_set,
     };
 
     /// A gear around the z axis, with four corners of its outline for each tooth.

@@ -8,8 +8,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{context::PartitionSearch, links::Links, piece::Piece, shape::Part};
-use crate::{decompose::patch::bits, symmetry::Mirror};
-use hullmap_geometry::planes::HalfSpace;
+use crate::symmetry::Mirror;
+use hullmap_geometry::{bits, planes::HalfSpace};
 
 /// Number of the nearest parallel edges with which an edge is paired.
 const PARTNERS: usize = 4;

@@ -43,10 +43,7 @@ pub fn quickly_within_vertices(hull: Hull, max_vertices: usize) -> Hull {
 
 /// The box around a hull, or a tetrahedron around that; `None` if coordinates would be infinite.
 fn around(hull: &Hull, max_vertices: usize) -> Option<Hull> {
-    let end =
-        |axis: usize, pick: fn(f32, f32) -> f32, start: f32| hull.vertices.iter().map(|p| p[axis]).fold(start, pick);
-    let low = [0, 1, 2].map(|axis| end(axis, f32::min, f32::INFINITY));
-    let high = [0, 1, 2].map(|axis| end(axis, f32::max, f32::NEG_INFINITY));
+    let [low, high] = hull::bounds(&hull.vertices);
     if max_vertices >= 8 {
         let corner = |i: usize| [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] } + 0.0);
         return hull::of_positions((0..8).map(corner).collect());
@@ -64,12 +61,10 @@ mod tests {
     use shapes::families::Family;
 
     use super::*;
-    use crate::outer::holds;
-    use hullmap_geometry::PointSet;
+    use crate::{outer::holds, test_meshes::hull_of};
 
     fn points(family: Family, count: usize, map: impl Fn([f32; 3]) -> [f32; 3]) -> Hull {
-        let positions: Vec<[f32; 3]> = family.points(count, 3).into_iter().map(map).collect();
-        hull::build(&PointSet::of_positions(positions)).unwrap()
+        hull_of(family.points(count, 3).into_iter().map(map).collect())
     }
 
     #[test]
@@ -108,8 +103,7 @@ mod tests {
         };
         let mut failed = 0;
         for (size, far) in [(1.0, 0.0), (1.0, 1e3), (1.0, 1e5), (1.0, 1e6), (1e-3, 1e3), (1e-30, 0.0)] {
-            let positions: Vec<[f32; 3]> = (0..90).map(|i| ring(i, size, far)).collect();
-            let hull = hull::build(&PointSet::of_positions(positions)).unwrap();
+            let hull = hull_of((0..90).map(|i| ring(i, size, far)).collect());
             for max_vertices in [4, 6, 8, 30] {
                 let simplified = simplify::simplify(&hull, Limit::Vertices(max_vertices));
                 failed += u32::from(simplified.is_err());

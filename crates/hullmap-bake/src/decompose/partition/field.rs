@@ -7,14 +7,13 @@
 //!    component by one query of the solid.
 //! 3. Count the steps from each voxel to the nearest mixed one: a lower bound on the distance.
 
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use glam::DVec3;
 
 use super::flats::Flats;
 use crate::deadline::Deadline;
-use crate::fit::{peaks::Peaks, solid::Solid};
+use crate::fit::{branch::Entry, peaks::Peaks, solid::Solid};
 use hullmap_geometry::triangle;
 
 const VOXELS: usize = 48;
@@ -219,21 +218,14 @@ impl<'a> Field<'a> {
         let mut queue = BinaryHeap::new();
         let mut found = Vec::new();
         for corners in triangles {
-            let centre = triangle::centroid(corners);
-            let radius = corners.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
-            queue.push(Piece {
-                bound: radius,
-                index: queue.len(),
-                within: f64::INFINITY,
-                hint: None,
-                corners: *corners,
-            });
+            let (_, bound) = triangle::ball(corners);
+            let cell = Piece { within: f64::INFINITY, hint: None, corners: *corners };
+            queue.push(Entry { bound, index: queue.len(), cell });
         }
         let mut pushed = queue.len();
         for _ in 0..measurements {
-            let Some(piece) = queue.pop() else { break };
-            let centre = triangle::centroid(&piece.corners);
-            let radius = piece.corners.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
+            let Some(Entry { cell: piece, .. }) = queue.pop() else { break };
+            let (centre, radius) = triangle::ball(&piece.corners);
             match self.side(centre) {
                 Some((OUTSIDE, clearance)) if clearance > limit => {
                     found.push(centre);
@@ -246,8 +238,7 @@ impl<'a> Field<'a> {
                 _ => {}
             }
             let Some(near) = self.solid.near_beside(centre, piece.within, piece.hint.as_ref()) else { continue };
-            let to_corners =
-                piece.corners.iter().map(|p| triangle::nearest(&near.triangle, *p).distance(*p)).fold(0.0, f64::max);
+            let to_corners = triangle::farthest(&piece.corners, &near.triangle);
             let may_exceed_flats = self.flats.may_be_exceeded(&piece.corners);
             let least = if may_exceed_flats { self.flats.height() } else { limit };
             if (near.distance + radius).min(to_corners.max(near.distance)) <= least {
@@ -269,12 +260,11 @@ impl<'a> Field<'a> {
             }
             let within = near.distance + 2.0 * radius;
             for corners in triangle::halves(&piece.corners) {
-                let middle = triangle::centroid(&corners);
-                let radius = corners.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);
+                let (middle, radius) = triangle::ball(&corners);
                 let distance = near.distance + middle.distance(centre);
                 if distance + radius > least {
-                    let bound = distance + radius;
-                    queue.push(Piece { bound, index: pushed, within, hint: Some(near.triangle), corners });
+                    let cell = Piece { within, hint: Some(near.triangle), corners };
+                    queue.push(Entry { bound: distance + radius, index: pushed, cell });
                     pushed += 1;
                 }
             }
@@ -307,9 +297,6 @@ impl<'a> Field<'a> {
 }
 
 struct Piece {
-    bound: f64,
-    /// Ties go to the piece found first.
-    index: usize,
     /// A distance that exceeds its middle's.
     within: f64,
     /// A triangle of the mesh that is near.
@@ -317,32 +304,12 @@ struct Piece {
     corners: [DVec3; 3],
 }
 
-impl PartialEq for Piece {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Piece {}
-
-impl PartialOrd for Piece {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Piece {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.bound.total_cmp(&other.bound).then(other.index.cmp(&self.index))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use shapes::{concave, rng::SplitMix64};
 
     use super::*;
-    use crate::decompose::tests::point_set;
+    use crate::test_meshes::point_set;
 
     #[test]
     fn points_are_beyond_if_the_nearest_triangle_is() {

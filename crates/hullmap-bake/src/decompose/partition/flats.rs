@@ -7,12 +7,12 @@ use std::{
 
 use glam::DVec3;
 
-use crate::decompose::patch::bits;
 use crate::fit::{
     Solid, SolidKind,
     triangle_tree::{Bounds, TriangleTree},
 };
 use hullmap_geometry::{
+    bits,
     planes::HalfSpace,
     triangle::{self, Triangle},
 };
@@ -178,8 +178,9 @@ mod tests {
     use shapes::{rng::SplitMix64, solids::extrusion};
 
     use super::*;
-    use crate::decompose::{Cover, Length, decompose, partition::field::Field, tests::point_set};
+    use crate::decompose::{Cover, Length, decompose, partition::field::Field};
     use crate::fit::SolidRule;
+    use crate::test_meshes::{open_block, point_set};
 
     /// A block with a step of 1.2 % of its diagonal.
     fn step() -> PointSet {
@@ -218,10 +219,7 @@ mod tests {
         let seed = 67;
         println!("seed {seed}");
         let mut rng = SplitMix64::new(seed);
-        let mut mesh = extrusion(&[[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]], 0.0, 2.0);
-        // An open box.
-        mesh.faces.remove(1);
-        let solid = Solid::by(&point_set(&mesh), SolidRule::Walls);
+        let solid = Solid::by(&open_block([0.0; 3], [4.0, 3.0, 2.0]), SolidRule::Walls);
         let [limit, thickness] = [0.03, 0.01].map(|share| share * solid.diagonal());
         let mut field = Field::new(&solid);
         field.keep_flats(limit, thickness);

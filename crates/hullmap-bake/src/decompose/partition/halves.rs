@@ -2,7 +2,7 @@
 //! parts with each other or with a part and its image. Results are symmetric, so that other parts
 //! keep their images.
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::sync::Arc;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -10,38 +10,12 @@ use rayon::prelude::*;
 use super::{
     body::Body,
     context::PartitionSearch,
-    join::{self, Overlap},
+    join::{self, Merger, Pair, Rules, Unit, merged},
     piece::Piece,
     shape::{Component, Part},
 };
 use crate::symmetry::Mirror;
 use hullmap_geometry::planes::HalfSpace;
-
-/// A part, and whether it stands for its mirror image, too. Otherwise it is its own image.
-#[derive(Clone)]
-struct Unit {
-    part: Part,
-    image: Option<Body>,
-}
-
-impl Unit {
-    fn count(&self) -> usize {
-        1 + usize::from(self.image.is_some())
-    }
-
-    fn bodies(&self) -> impl Iterator<Item = &Body> {
-        std::iter::once(&self.part.piece.body).chain(&self.image)
-    }
-
-    fn volume(&self) -> f64 {
-        self.bodies().map(Body::volume).sum()
-    }
-}
-
-struct Merger {
-    cost: f64,
-    body: Body,
-}
 
 /// Parts of half a surface.
 #[derive(Clone, Debug, Default)]
@@ -120,55 +94,11 @@ fn merge(
     wanted: usize,
 ) -> Halves {
     let image = |part: &Part| Some(search.scale.body(&images(&part.piece.body, mirror)));
-    let mut units: Vec<Option<Unit>> = parts.into_iter().map(|part| Some(Unit { image: image(&part), part })).collect();
-    let mut count: usize = units.iter().flatten().map(Unit::count).sum();
-    if count > join::MANY {
-        return result(units);
+    let mut units: Vec<Unit> = parts.into_iter().map(|part| Unit { image: image(&part), part }).collect();
+    if units.iter().map(Unit::count).sum::<usize>() <= join::MANY {
+        units = join::merge_units(search, units, forbidden, wanted, &Across { search, mirror, meeting });
     }
-    let mut shared = Overlap::new(units.iter().flatten().flat_map(Unit::bodies));
-    let mut failures = join::FAILURES + units.len();
-    let mut mergers: BTreeMap<(usize, usize), Option<Merger>> = BTreeMap::new();
-    while failures > 0 && !search.is_over() {
-        let new: Vec<(usize, usize)> = pairs(&units, meeting).filter(|pair| !mergers.contains_key(pair)).collect();
-        let new: Vec<_> =
-            new.into_par_iter().map(|pair| (pair, merger(search, &units, pair, mirror, forbidden))).collect();
-        mergers.extend(new);
-        let possible = mergers.iter().filter_map(|(pair, merger)| Some((*pair, merger.as_ref()?.cost)));
-        let Some((pair, _)) = possible.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0))) else { break };
-        let Some(Some(Merger { cost, body })) = mergers.insert(pair, None) else { break };
-        if count <= wanted && !join::is_free(cost, &body) {
-            break;
-        }
-        let others = units.iter().enumerate().filter(|(k, _)| *k != pair.0 && *k != pair.1);
-        let others = others.filter_map(|(_, unit)| unit.as_ref()).flat_map(Unit::bodies);
-        let own = merged(&units, pair).into_iter().flat_map(Unit::bodies);
-        let Some(after) = shared.after(&own.collect::<Vec<_>>(), &body, others) else { continue };
-        let beyond = search.points_beyond(&body);
-        if !beyond.is_empty() {
-            forbidden.extend(beyond);
-            continue;
-        }
-        let component = units[pair.0].as_ref().map(|unit| unit.part.component).unwrap_or_default();
-        match search.shaped(&united(search, &units, pair, &body, mirror)) {
-            Ok(part) => {
-                let part = Part { component, ..part };
-                shared = after;
-                let merged = [pair.0, pair.1].map(|i| units[i].take().map_or(0, |unit| unit.count()));
-                count = count + 1 - merged.iter().sum::<usize>();
-                units.push(Some(Unit { part, image: None }));
-                mergers.retain(|(i, j), _| [i, j].iter().all(|k| ![pair.0, pair.1].contains(k)));
-            }
-            Err(point) => {
-                failures -= 1;
-                forbidden.extend(point);
-            }
-        }
-    }
-    result(units)
-}
-
-fn result(units: Vec<Option<Unit>>) -> Halves {
-    let (own, whole): (Vec<Unit>, Vec<Unit>) = units.into_iter().flatten().partition(|unit| unit.image.is_some());
+    let (own, whole): (Vec<Unit>, Vec<Unit>) = units.into_iter().partition(|unit| unit.image.is_some());
     let parts = |units: Vec<Unit>| units.into_iter().map(|unit| unit.part).collect();
     Halves { whole: parts(whole), mirrored: parts(own) }
 }
@@ -177,64 +107,63 @@ fn images(body: &Body, mirror: &Mirror) -> Vec<DVec3> {
     body.points.iter().map(|p| mirror.image(*p)).collect()
 }
 
-fn pairs<'a>(units: &'a [Option<Unit>], meeting: &'a [u32]) -> impl Iterator<Item = (usize, usize)> + 'a {
-    let has_image = |i: usize| units[i].as_ref().map(|unit| unit.image.is_some());
-    let component = |i: usize| units[i].as_ref().map(|unit| unit.part.component);
-    let all = (0..units.len()).flat_map(|j| (0..=j).map(move |i| (i, j)));
-    let of_one = all.filter(move |(i, j)| {
-        component(*i) == component(*j) && component(*i).is_some_and(|own| meeting.contains(&own.index))
-    });
-    of_one.filter(move |(i, j)| match (has_image(*i), has_image(*j)) {
-        (Some(true), Some(true)) => i == j,
-        (Some(false), Some(false)) => i != j,
-        (Some(_), Some(_)) => true,
-        _ => false,
-    })
+/// The rules of a mirror.
+struct Across<'a, 's> {
+    search: &'a PartitionSearch<'s>,
+    mirror: &'a Mirror,
+    meeting: &'a [u32],
 }
 
-fn merged(units: &[Option<Unit>], (i, j): (usize, usize)) -> Vec<&Unit> {
-    [i, j][..if i == j { 1 } else { 2 }].iter().filter_map(|i| units[*i].as_ref()).collect()
-}
-
-fn merger(
-    search: &PartitionSearch,
-    units: &[Option<Unit>],
-    pair: (usize, usize),
-    mirror: &Mirror,
-    forbidden: &[DVec3],
-) -> Option<Merger> {
-    if search.is_over() {
-        return None;
+impl Rules for Across<'_, '_> {
+    fn pairs(&self, units: &[Option<Unit>], _: usize) -> Vec<Pair> {
+        let has_image = |i: usize| units[i].as_ref().map(|unit| unit.image.is_some());
+        let component = |i: usize| units[i].as_ref().map(|unit| unit.part.component);
+        let all = (0..units.len()).flat_map(|j| (0..=j).map(move |i| (i, j)));
+        let of_one = all.filter(|(i, j)| {
+            component(*i) == component(*j) && component(*i).is_some_and(|own| self.meeting.contains(&own.index))
+        });
+        let may_merge = |(i, j): &Pair| match (has_image(*i), has_image(*j)) {
+            (Some(true), Some(true)) => i == j,
+            (Some(false), Some(false)) => i != j,
+            (Some(_), Some(_)) => true,
+            _ => false,
+        };
+        of_one.filter(may_merge).collect()
     }
-    let own = merged(units, pair);
-    let points: Vec<DVec3> = own.iter().flat_map(|unit| unit.bodies()).flat_map(|body| body.points.clone()).collect();
-    let body = search.scale.body(&points);
-    // The body is its own image, but a point may be known on one side only.
-    let is_inside = |p: &DVec3| search.scale.is_inside(&body, *p) || search.scale.is_inside(&body, mirror.image(*p));
-    let is_free = !forbidden.iter().any(is_inside);
-    is_free.then(|| Merger { cost: body.volume() - own.iter().map(|unit| unit.volume()).sum::<f64>(), body })
-}
 
-fn united(
-    search: &PartitionSearch,
-    units: &[Option<Unit>],
-    pair: (usize, usize),
-    body: &Body,
-    mirror: &Mirror,
-) -> Piece {
-    let (mut atoms, mut corners, mut planes) = (Vec::new(), Vec::new(), Vec::new());
-    for unit in merged(units, pair) {
-        let own = &unit.part.piece.atoms;
-        atoms.extend(own.iter().cloned());
-        corners.extend_from_slice(&unit.part.piece.corners);
-        for plane in &unit.part.piece.planes {
-            planes.extend([*plane, plane_image(plane, mirror)]);
+    fn merger(&self, units: &[Option<Unit>], pair: Pair, forbidden: &[DVec3]) -> Option<Merger> {
+        let Self { search, mirror, .. } = self;
+        if search.is_over() {
+            return None;
         }
-        if unit.image.is_some() {
-            atoms.extend(own.iter().map(|atom| Arc::new(atom.image(mirror))));
-            corners.extend(unit.part.piece.corners.iter().map(|p| mirror.image(*p)));
-        }
+        let own = merged(units, pair);
+        let points: Vec<DVec3> =
+            own.iter().flat_map(|unit| unit.bodies()).flat_map(|body| body.points.clone()).collect();
+        let body = search.scale.body(&points);
+        // The body is its own image, but a point may be known on one side only.
+        let is_inside =
+            |p: &DVec3| search.scale.is_inside(&body, *p) || search.scale.is_inside(&body, mirror.image(*p));
+        let is_free = !forbidden.iter().any(is_inside);
+        let volume = |unit: &&Unit| unit.bodies().map(Body::volume).sum::<f64>();
+        is_free.then(|| Merger { cost: body.volume() - own.iter().map(volume).sum::<f64>(), body })
     }
-    let holds = |plane: &HalfSpace| body.points.iter().all(|p| plane.height(*p) <= search.scale.tolerance());
-    search.scale.piece(atoms, corners, planes.into_iter().filter(holds).collect(), &[])
+
+    fn united(&self, units: &[Option<Unit>], pair: Pair, body: &Body) -> Piece {
+        let Self { search, mirror, .. } = self;
+        let (mut atoms, mut corners, mut planes) = (Vec::new(), Vec::new(), Vec::new());
+        for unit in merged(units, pair) {
+            let own = &unit.part.piece.atoms;
+            atoms.extend(own.iter().cloned());
+            corners.extend_from_slice(&unit.part.piece.corners);
+            for plane in &unit.part.piece.planes {
+                planes.extend([*plane, plane_image(plane, mirror)]);
+            }
+            if unit.image.is_some() {
+                atoms.extend(own.iter().map(|atom| Arc::new(atom.image(mirror))));
+                corners.extend(unit.part.piece.corners.iter().map(|p| mirror.image(*p)));
+            }
+        }
+        planes.retain(|plane: &HalfSpace| body.points.iter().all(|p| plane.height(*p) <= search.scale.tolerance()));
+        search.scale.piece(atoms, corners, planes, &[])
+    }
 }

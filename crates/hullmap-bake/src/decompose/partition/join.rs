@@ -1,4 +1,6 @@
 //! Mergers of parts, cheapest first, within the limit, until there are few enough parts.
+//!
+//! [`halves`](super::halves) merges parts with mirror images by the same loop, [`merge_units`].
 
 use std::collections::BTreeMap;
 
@@ -27,15 +29,53 @@ pub const MANY: usize = 512;
 const FEW: usize = 48;
 
 /// Number of mergers that may fail to be proven, in addition to one for each part.
-pub const FAILURES: usize = 16;
+const FAILURES: usize = 16;
 
 /// A merger is free if it adds at most this share of its volume: parts that are convex together are
 /// no tighter apart.
 const FREE: f64 = 1e-4;
 
-struct Merger {
-    cost: f64,
-    body: Body,
+/// A part, and the body of its mirror image if it stands for that, too.
+pub struct Unit {
+    /// The part.
+    pub part: Part,
+    /// The body of its image.
+    pub image: Option<Body>,
+}
+
+impl Unit {
+    /// The number of parts.
+    pub fn count(&self) -> usize {
+        1 + usize::from(self.image.is_some())
+    }
+
+    /// The bodies of its parts.
+    pub fn bodies(&self) -> impl Iterator<Item = &Body> {
+        std::iter::once(&self.part.piece.body).chain(&self.image)
+    }
+}
+
+/// Indices of two units, or of one that is merged with its image.
+pub type Pair = (usize, usize);
+
+/// The body of a merged pair, and the volume that it adds.
+pub struct Merger {
+    /// The volume that is added.
+    pub cost: f64,
+    /// The body.
+    pub body: Body,
+}
+
+/// Which units are merged, and what becomes of them.
+pub trait Rules: Sync {
+    /// Pairs that may be merged, while there are `count` parts.
+    fn pairs(&self, units: &[Option<Unit>], count: usize) -> Vec<Pair>;
+
+    /// The merger of a pair, if it contains no forbidden point.
+    fn merger(&self, units: &[Option<Unit>], pair: Pair, forbidden: &[DVec3]) -> Option<Merger>;
+
+    /// The piece of a merger, with its body.
+    fn united(&self, units: &[Option<Unit>], pair: Pair, body: &Body) -> Piece;
 }
 
 /// Merges parts while merged parts are within the limit and all parts overlap by at most 5 % of
@@ -45,16 +85,28 @@ pub fn merge(search: &PartitionSearch, parts: Vec<Part>, forbidden: &mut Vec<DVe
     if parts.len() > MANY {
         return parts;
     }
-    let mut left: Vec<Option<Part>> = parts.into_iter().map(Some).collect();
-    let mut count = left.len();
-    let mut shared = Overlap::new(left.iter().flatten().map(|part| &part.piece.body));
-    let mut failures = FAILURES + left.len();
+    let units = parts.into_iter().map(|part| Unit { part, image: None }).collect();
+    merge_units(search, units, forbidden, wanted, search).into_iter().map(|unit| unit.part).collect()
+}
+
+/// As [`merge`], by rules.
+pub fn merge_units(
+    search: &PartitionSearch,
+    units: Vec<Unit>,
+    forbidden: &mut Vec<DVec3>,
+    wanted: usize,
+    rules: &impl Rules,
+) -> Vec<Unit> {
+    let mut count: usize = units.iter().map(Unit::count).sum();
+    let mut shared = Overlap::new(units.iter().flat_map(Unit::bodies));
+    let mut failures = FAILURES + units.len();
+    let mut units: Vec<Option<Unit>> = units.into_iter().map(Some).collect();
     // Each pair is tried once.
-    let mut mergers: BTreeMap<(usize, usize), Option<Merger>> = BTreeMap::new();
+    let mut mergers: BTreeMap<Pair, Option<Merger>> = BTreeMap::new();
     while failures > 0 && !search.is_over() {
-        let gap = if count <= FEW { f64::INFINITY } else { search.scale.limit };
-        let pairs: Vec<(usize, usize)> = near_pairs(&left, gap).filter(|p| !mergers.contains_key(p)).collect();
-        let new: Vec<_> = pairs.into_par_iter().map(|pair| (pair, merger(search, &left, pair, forbidden))).collect();
+        let mut new = rules.pairs(&units, count);
+        new.retain(|pair| !mergers.contains_key(pair));
+        let new: Vec<_> = new.into_par_iter().map(|pair| (pair, rules.merger(&units, pair, forbidden))).collect();
         mergers.extend(new);
         let possible = mergers.iter().filter_map(|(pair, merger)| Some((*pair, merger.as_ref()?.cost)));
         let Some((pair, _)) = possible.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0))) else { break };
@@ -62,23 +114,23 @@ pub fn merge(search: &PartitionSearch, parts: Vec<Part>, forbidden: &mut Vec<DVe
         if count <= wanted && !is_free(cost, &body) {
             break;
         }
-        let others = left.iter().enumerate().filter(|(k, _)| *k != pair.0 && *k != pair.1);
-        let others = others.filter_map(|(_, part)| part.as_ref()).map(|part| &part.piece.body);
-        let own = [pair.0, pair.1].into_iter().filter_map(|i| left[i].as_ref()).map(|part| &part.piece.body);
+        let others = units.iter().enumerate().filter(|(k, _)| *k != pair.0 && *k != pair.1);
+        let others = others.filter_map(|(_, unit)| unit.as_ref()).flat_map(Unit::bodies);
+        let own = merged(&units, pair).into_iter().flat_map(Unit::bodies);
         let Some(after) = shared.after(&own.collect::<Vec<_>>(), &body, others) else { continue };
         let beyond = search.points_beyond(&body);
         if !beyond.is_empty() {
             forbidden.extend(beyond);
             continue;
         }
-        let [Some(a), Some(b)] = [pair.0, pair.1].map(|i| left[i].as_ref()) else { continue };
-        match search.shaped(&united(search, &a.piece, &b.piece, &body)) {
+        let component = units[pair.0].as_ref().map(|unit| unit.part.component).unwrap_or_default();
+        match search.shaped(&rules.united(&units, pair, &body)) {
             Ok(part) => {
-                let part = Part { component: a.component, ..part };
+                let part = Part { component, ..part };
                 shared = after;
-                (left[pair.0], left[pair.1]) = (None, None);
-                left.push(Some(part));
-                count -= 1;
+                let merged = [pair.0, pair.1].map(|i| units[i].take().map_or(0, |unit| unit.count()));
+                count = count + 1 - merged.iter().sum::<usize>();
+                units.push(Some(Unit { part, image: None }));
                 mergers.retain(|(i, j), _| [i, j].iter().all(|k| ![pair.0, pair.1].contains(k)));
             }
             Err(point) => {
@@ -87,50 +139,58 @@ pub fn merge(search: &PartitionSearch, parts: Vec<Part>, forbidden: &mut Vec<DVe
             }
         }
     }
-    left.into_iter().flatten().collect()
+    units.into_iter().flatten().collect()
+}
+
+/// The units of a pair.
+pub fn merged(units: &[Option<Unit>], (i, j): Pair) -> Vec<&Unit> {
+    [i, j][..if i == j { 1 } else { 2 }].iter().filter_map(|i| units[*i].as_ref()).collect()
 }
 
 /// Whether a merger adds next to no volume to its parts.
-pub fn is_free(cost: f64, body: &Body) -> bool {
+fn is_free(cost: f64, body: &Body) -> bool {
     cost <= FREE * body.volume()
 }
 
-fn near_pairs(parts: &[Option<Part>], gap: f64) -> impl Iterator<Item = (usize, usize)> + '_ {
-    let gap = DVec3::splat(gap);
-    let parts: Vec<(usize, &Part)> =
-        parts.iter().enumerate().filter_map(|(i, part)| Some((i, part.as_ref()?))).collect();
-    let is_near = move |a: &Part, b: &Part| {
-        let [own, other] = [&a.piece.body, &b.piece.body];
-        a.component == b.component && own.low.cmple(other.high + gap).all() && other.low.cmple(own.high + gap).all()
-    };
-    (0..parts.len()).flat_map(move |j| {
-        let (others, b) = (parts[..j].to_vec(), parts[j]);
-        others.into_iter().filter(move |a| is_near(a.1, b.1)).map(move |a| (a.0, b.0))
-    })
-}
-
-fn merger(
-    search: &PartitionSearch,
-    parts: &[Option<Part>],
-    (i, j): (usize, usize),
-    forbidden: &[DVec3],
-) -> Option<Merger> {
-    if search.is_over() {
-        return None;
+/// Parts that are near each other are merged.
+impl Rules for PartitionSearch<'_> {
+    fn pairs(&self, units: &[Option<Unit>], count: usize) -> Vec<Pair> {
+        let gap = DVec3::splat(if count <= FEW { f64::INFINITY } else { self.scale.limit });
+        let parts: Vec<(usize, &Part)> =
+            units.iter().enumerate().filter_map(|(i, unit)| Some((i, &unit.as_ref()?.part))).collect();
+        let is_near = |a: &Part, b: &Part| {
+            let [own, other] = [&a.piece.body, &b.piece.body];
+            a.component == b.component && own.low.cmple(other.high + gap).all() && other.low.cmple(own.high + gap).all()
+        };
+        let of_last = |j: usize| {
+            let (others, b) = (&parts[..j], parts[j]);
+            others.iter().filter(move |a| is_near(a.1, b.1)).map(move |a| (a.0, b.0))
+        };
+        (0..parts.len()).flat_map(of_last).collect()
     }
-    let (a, b) = (&parts[i].as_ref()?.piece.body, &parts[j].as_ref()?.piece.body);
-    let points = Cloud::of_points([a.points.as_slice(), &b.points].concat());
-    search.scale.is_free(&points, forbidden).then(|| {
-        let body = search.scale.body_of(&points);
-        Merger { cost: body.volume() - a.volume() - b.volume(), body }
-    })
-}
 
-fn united(search: &PartitionSearch, a: &Piece, b: &Piece, body: &Body) -> Piece {
-    let holds = |plane: &&HalfSpace| body.points.iter().all(|p| plane.height(*p) <= search.scale.tolerance());
-    let planes = a.planes.iter().chain(&b.planes).filter(holds).copied().collect();
-    let corners = [a.corners.as_slice(), &b.corners].concat();
-    search.scale.piece([a.atoms.as_slice(), &b.atoms].concat(), corners, planes, &[])
+    fn merger(&self, units: &[Option<Unit>], (i, j): Pair, forbidden: &[DVec3]) -> Option<Merger> {
+        if self.is_over() {
+            return None;
+        }
+        let [a, b] = [&units[i].as_ref()?.part.piece.body, &units[j].as_ref()?.part.piece.body];
+        let points = Cloud::of_points([a.points.as_slice(), &b.points].concat());
+        self.scale.is_free(&points, forbidden).then(|| {
+            let body = self.scale.body_of(&points);
+            Merger { cost: body.volume() - a.volume() - b.volume(), body }
+        })
+    }
+
+    fn united(&self, units: &[Option<Unit>], pair: Pair, body: &Body) -> Piece {
+        let (mut atoms, mut corners, mut planes) = (Vec::new(), Vec::new(), Vec::new());
+        for Unit { part: Part { piece, .. }, .. } in merged(units, pair) {
+            atoms.extend(piece.atoms.iter().cloned());
+            corners.extend_from_slice(&piece.corners);
+            planes.extend_from_slice(&piece.planes);
+        }
+        planes.retain(|plane: &HalfSpace| body.points.iter().all(|p| plane.height(*p) <= self.scale.tolerance()));
+        self.scale.piece(atoms, corners, planes, &[])
+    }
 }
 
 /// How much bodies overlap. The sum of what pairs have in common is at least the sum of all volumes

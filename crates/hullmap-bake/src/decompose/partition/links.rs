@@ -8,10 +8,10 @@ use glam::DVec3;
 
 use super::{atom::Atom, field::Field};
 use crate::{
-    decompose::patch::bits,
     fit::triangle_tree::TriangleTree,
     groups::{find, join},
 };
+use hullmap_geometry::bits;
 
 /// Distance up to which a line of sight ends at an atom, relative to the diagonal.
 const SEEN: f64 = 1e-6;

@@ -449,13 +449,11 @@ fn collect_above(polygon: &[DVec3], plane: &HalfSpace, points: &mut Vec<DVec3>) 
 
 #[cfg(test)]
 mod tests {
+    use hullmap_geometry::bounds;
     use shapes::{concave, rng::SplitMix64};
 
     use super::*;
-    use crate::{
-        decompose::{partition::body::bounds, patch::Patch, tests::point_set},
-        fit::Solid,
-    };
+    use crate::{decompose::patch::Patch, fit::Solid, test_meshes::point_set};
 
     #[test]
     fn bodies_of_clouds_are_those_of_their_points() {
@@ -464,11 +462,10 @@ mod tests {
         let mut rng = SplitMix64::new(seed);
         let (mut large, mut free) = (0, 0);
         for mesh in [point_set(&concave::bowl(40, 12)), point_set(&concave::spiral_stair(30))] {
-            let corner = |v: &u32| DVec3::from_array(mesh.positions[*v as usize].map(f64::from));
-            let polygons: Vec<Vec<DVec3>> = mesh.triangles.iter().map(|t| t.iter().map(corner).collect()).collect();
+            let polygons: Vec<Vec<DVec3>> = mesh.triangles.iter().map(|t| mesh.corners(t).to_vec()).collect();
             let atom = |some: &[Vec<DVec3>]| Arc::new(Atom::new(Patch::new(some.to_vec()).unwrap()));
             let atoms: Vec<Arc<Atom>> = polygons.chunks(5).map(atom).collect();
-            let (low, high) = bounds(&polygons.concat());
+            let [low, high] = bounds(polygons.concat());
             let solid = Solid::new(&mesh);
             let field = Field::new(&solid);
             let scale = Scale { limit: 0.01 * high.distance(low), diagonal: high.distance(low), field: &field };

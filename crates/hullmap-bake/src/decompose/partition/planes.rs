@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::body::bounds;
-use hullmap_geometry::planes::HalfSpace;
+use hullmap_geometry::{bits, bounds, planes::HalfSpace};
 
 /// Sine of the angle at which faces must lie in front of each other for their edge to be concave.
 const CONCAVE: f64 = 0.02;
@@ -42,7 +41,7 @@ impl FacePlanes {
     /// # Complexity
     /// O(n log n) for n triangles.
     pub fn new(triangles: &[[DVec3; 3]]) -> Self {
-        let (low, high) = bounds(triangles.as_flattened());
+        let [low, high] = bounds(triangles.as_flattened().iter().copied());
         let of_face = |t: &[DVec3; 3]| {
             let normal = normal(t);
             let area = (t[1] - t[0]).cross(t[2] - t[0]).length();
@@ -81,11 +80,10 @@ fn normal([a, b, c]: &[DVec3; 3]) -> DVec3 {
 /// The planes of both faces at each concave edge, weighted by its length and sine, and the sharp
 /// edges.
 fn concave_edges(triangles: &[[DVec3; 3]]) -> (Vec<Weighted>, Vec<[DVec3; 2]>) {
-    let key = |p: DVec3| (p + DVec3::ZERO).to_array().map(f64::to_bits);
     let mut sides: Vec<([[u64; 3]; 2], u32, u32)> = Vec::with_capacity(3 * triangles.len());
     for (i, t) in triangles.iter().enumerate() {
         for k in 0..3 {
-            let (a, b) = (key(t[k]), key(t[(k + 1) % 3]));
+            let (a, b) = (bits(t[k]), bits(t[(k + 1) % 3]));
             if a != b {
                 sides.push((if a < b { [a, b] } else { [b, a] }, i as u32, k as u32));
             }

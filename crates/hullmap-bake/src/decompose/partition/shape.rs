@@ -231,16 +231,11 @@ impl Cuts<'_> {
     /// the number of vertices allows.
     fn filled(&self, hull: Hull) -> Hull {
         self.cut(self.flattened(hull), |points| {
-            let heights = |p: &DVec3| self.body.planes.iter().map(|plane| plane.height(*p)).collect::<Vec<f64>>();
-            let mut found: Vec<(f64, HalfSpace)> = Vec::new();
-            for heights in points.iter().map(heights) {
-                let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                if highest > NEAR * self.bounds.limit + 2.0 * self.room() {
-                    let high = (0..heights.len()).filter(|face| heights[*face] >= 0.7 * highest);
-                    let best = high.max_by(|a, b| self.body.areas[*a].total_cmp(&self.body.areas[*b]).then(b.cmp(a)));
-                    found.extend(best.map(|face| (highest, self.body.planes[face])));
-                }
-            }
+            let least = NEAR * self.bounds.limit + 2.0 * self.room();
+            let below = points.iter().filter_map(|p| self.body.face_below(*p));
+            let high = below.filter(|(highest, _)| *highest > least);
+            let mut found: Vec<(f64, HalfSpace)> =
+                high.map(|(highest, face)| (highest, self.body.planes[face])).collect();
             found.sort_by(|a, b| b.0.total_cmp(&a.0));
             found.into_iter().map(|(_, plane)| plane).collect()
         })

@@ -6,11 +6,10 @@ use glam::DVec3;
 
 use super::piece::ON_PLANE;
 use crate::{
-    decompose::patch::bits,
     fit::{Solid, SolidKind},
     symmetry::Mirror,
 };
-use hullmap_geometry::{PointSet, planes, triangle::Triangle};
+use hullmap_geometry::{PointSet, bits, planes, triangle::Triangle};
 
 /// Triangles, and where they are halved.
 pub struct Surface {

@@ -1,9 +1,10 @@
-use shapes::{concave, mesh::Mesh, rng::SplitMix64};
+use shapes::{concave, families::Family, rng::SplitMix64};
 
 use super::{body::Body, *};
-use crate::decompose::{Cover, Length, decompose, tests::point_set};
+use crate::decompose::{Cover, Length, decompose};
 use crate::fit::{Accuracy, Solid, coverage::uncovered, protrusion};
 use crate::hull::Hull;
+use crate::test_meshes::{self, block, hull_of, hulls_of, joined, on_threads, point_set, surface_of};
 use hullmap_geometry::PointSet;
 
 fn limits(limit: f64, solid: &Solid) -> PartitionLimits<'static> {
@@ -56,7 +57,7 @@ fn round_shapes_take_few_parts() {
 /// Nothing inside a cube protrudes, so the cheapest hull around a ball in it would be a box.
 #[test]
 fn hulls_do_not_swell_inside_the_solid() {
-    let mesh = point_set(&shapes::cubes::surface(&[[0; 3]]));
+    let mesh = block([0.0; 3], [1.0; 3]);
     let solid = Solid::new(&mesh);
     let (limit, radius) = (0.012 * solid.diagonal(), 0.3 * solid.diagonal() / 3.0_f64.sqrt());
     let mut rng = SplitMix64::new(1);
@@ -75,9 +76,7 @@ fn hulls_do_not_swell_inside_the_solid() {
 fn parts_are_the_same_at_any_number_of_threads() {
     let mesh = point_set(&concave::pipe(8));
     let of_threads = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let cover = Cover { max_error: Length::Relative(0.02), ..Cover::default() };
-        let parts = pool.install(|| decompose(&mesh, &cover)).unwrap().unwrap();
+        let parts = on_threads(threads, || decompose(&mesh, &Cover::default())).unwrap().unwrap();
         parts.into_iter().map(|part| (part.name, part.positions)).collect::<Vec<_>>()
     };
     let one = of_threads(1);
@@ -86,78 +85,62 @@ fn parts_are_the_same_at_any_number_of_threads() {
 
 fn covering(mesh: &PointSet, cover: Cover) -> Vec<Hull> {
     let parts = decompose(mesh, &cover).unwrap().unwrap();
-    let hulls: Vec<Hull> = parts.iter().map(|part| crate::hull::build(part).unwrap()).collect();
+    let hulls = hulls_of(&parts);
     let bound = uncovered(mesh, &hulls.iter().collect::<Vec<_>>()).bound;
     assert!(bound <= 1e-7 * Solid::new(mesh).diagonal(), "{bound}");
     hulls
 }
 
+fn farthest(mesh: &PointSet, hulls: &[Hull]) -> f64 {
+    let solid = Solid::new(mesh);
+    let accuracy = Accuracy::tight(solid.diagonal());
+    hulls.iter().map(|hull| protrusion(&solid, hull, &accuracy).bound).fold(0.0, f64::max)
+}
+
+/// Five Ls in a row, and a triangle without area beside them.
 fn blocks() -> PointSet {
-    let block = point_set(&concave::l());
-    let mut all = PointSet::default();
-    for i in 0..5 {
-        let first = all.positions.len() as u32;
-        all.positions.extend(block.positions.iter().map(|p| [p[0] + 5.0 * i as f32, p[1], p[2]]));
-        all.triangles.extend(block.triangles.iter().map(|t| t.map(|v| v + first)));
-    }
-    all.positions.extend([[30.0, 0.0, 0.0], [31.0, 0.0, 0.0], [32.0, 0.0, 0.0]]);
-    let count = all.positions.len() as u32;
-    all.triangles.push([count - 3, count - 2, count - 1]);
-    all.source_vertices = (0..count).collect();
-    all
+    let beside = |i: i32| {
+        let mut l = point_set(&concave::l());
+        l.positions.iter_mut().for_each(|p| p[0] += 5.0 * i as f32);
+        l
+    };
+    let line = vec![[30.0, 0.0, 0.0], [31.0, 0.0, 0.0], [32.0, 0.0, 0.0]];
+    joined(&[(0..5).map(beside).collect(), vec![test_meshes::mesh(line, vec![[0, 1, 2]])]].concat())
 }
 
 #[test]
 fn any_number_of_parts_is_reached() {
     let horseshoe = point_set(&concave::horseshoe(12));
-    let protrusion = |mesh: &PointSet, hulls: &[Hull]| {
-        let solid = Solid::new(mesh);
-        let accuracy = crate::fit::Accuracy::tight(solid.diagonal());
-        let bound = |hull| crate::fit::protrusion(&solid, hull, &accuracy).bound;
-        hulls.iter().map(bound).fold(0.0, f64::max)
-    };
     for mesh in [&horseshoe, &blocks()] {
         let mut least = f64::INFINITY;
         for max_parts in [1, 2, 3, 6] {
             let found = covering(mesh, Cover { max_parts: Some(max_parts), ..Cover::default() });
             assert!((1..=max_parts as usize).contains(&found.len()), "{} of {max_parts}", found.len());
-            let reached = protrusion(mesh, &found);
+            let reached = farthest(mesh, &found);
             assert!(reached <= 1.1 * least, "{max_parts} parts: {reached}, fewer: {least}");
             least = least.min(reached);
         }
     }
 }
 
-/// Regression: mergers ended at the maximum, and an L had three parts.
+/// Regressions: mergers ended at the maximum, and an L had three parts; and five searches, each an
+/// octave higher, ended before two parts of a horseshoe sufficed.
 #[test]
 fn no_more_parts_are_used_than_help() {
-    let mesh = point_set(&concave::l());
-    for max_parts in 2..=5 {
-        let cover = Cover { max_parts: Some(max_parts), ..Cover::default() };
-        assert_eq!(covering(&mesh, cover).len(), 2, "{max_parts}");
+    let of_l = (2..=5).map(|max_parts| (concave::l(), max_parts, 0.02));
+    for (mesh, max_parts, error) in of_l.chain([(concave::horseshoe(12), 2, 0.001)]) {
+        let cover = Cover { max_parts: Some(max_parts), max_error: Length::Relative(error), ..Cover::default() };
+        assert_eq!(covering(&point_set(&mesh), cover).len(), 2, "{max_parts} from {error}");
     }
-}
-
-/// Regression: five searches, each an octave higher, ended before two parts sufficed.
-#[test]
-fn any_number_of_parts_is_reached_from_a_small_error() {
-    let mesh = point_set(&concave::horseshoe(12));
-    let cover = Cover { max_parts: Some(2), max_error: Length::Relative(0.001), ..Cover::default() };
-    assert_eq!(covering(&mesh, cover).len(), 2);
 }
 
 #[test]
 fn more_parts_are_used_where_they_help() {
     let mesh = point_set(&concave::horseshoe(24));
-    let solid = Solid::new(&mesh);
-    let reached = |count| {
+    let found = [4, 5, 6, 7, 8].map(|count| {
         let hulls = covering(&mesh, Cover { max_parts: Some(count), ..Cover::default() });
-        let accuracy = Accuracy::tight(solid.diagonal());
-        let bound = |hull: &Hull| protrusion(&solid, hull, &accuracy).bound;
-        (hulls.len(), hulls.iter().map(bound).fold(0.0, f64::max))
-    };
-    let found: Vec<(usize, f64)> = [4, 5, 6, 7, 8].map(reached).into();
-    eprintln!("{found:?}");
+        (hulls.len(), farthest(&mesh, &hulls))
+    });
     // Parts of a symmetric mesh come in pairs, except at the mirror.
     let is_used = |parts: usize, count: usize| parts == count || count == 7 && parts == 6;
     assert!(found.iter().zip([4, 5, 6, 7, 8]).all(|((parts, _), count)| is_used(*parts, count)), "{found:?}");
@@ -193,18 +176,15 @@ fn a_search_may_end_at_any_time() {
 #[test]
 fn no_part_has_more_vertices_than_allowed() {
     for (points, max_vertices, share) in [(24, 4, 0.2), (24, 4, 0.06), (24, 6, 0.05), (40, 12, 0.02), (80, 64, 0.008)] {
-        let ball = Mesh { vertices: shapes::families::Family::Sphere.points(points, 1), ..Mesh::default() };
-        let hull = crate::hull::build(&point_set(&ball)).unwrap();
-        assert!(hull.vertices.len() > max_vertices as usize, "the sample is not representative");
-        let mut mesh = PointSet { positions: hull.vertices.clone(), ..PointSet::default() };
-        let count = mesh.positions.len() as u32;
-        let fan = |face: &Vec<u32>| (1..face.len() - 1).map(|i| [face[0], face[i], face[i + 1]]).collect::<Vec<_>>();
-        mesh.triangles = hull.faces.iter().flat_map(fan).collect();
-        mesh.positions.extend(hull.vertices.iter().map(|p| [p[0] * 0.3 + 3.0, p[1] * 0.3, p[2] * 0.3]));
-        mesh.triangles.extend(mesh.triangles.clone().into_iter().map(|t| t.map(|v| v + count)));
-        mesh.source_vertices = (0..mesh.positions.len() as u32).collect();
-        let max_error = Length::Relative(share);
-        let found = covering(&mesh, Cover { max_vertices: Some(max_vertices), max_error, ..Cover::default() });
+        let ball = surface_of(&hull_of(Family::Sphere.points(points, 1)));
+        assert!(ball.positions.len() > max_vertices as usize, "the sample is not representative");
+        let mut small = ball.clone();
+        small.positions.iter_mut().for_each(|p| *p = [p[0] * 0.3 + 3.0, p[1] * 0.3, p[2] * 0.3]);
+        let mesh = joined(&[ball, small]);
+        let found = covering(
+            &mesh,
+            Cover { max_vertices: Some(max_vertices), max_error: Length::Relative(share), ..Cover::default() },
+        );
         let most = found.iter().map(|hull| hull.vertices.len()).max().unwrap();
         assert!(most <= max_vertices as usize, "{most} of {max_vertices} at {share}");
     }
@@ -238,7 +218,7 @@ fn triangle_soups_are_covered() {
         let positions: Vec<[f32; 3]> =
             (0..12).map(|_| [0, 1, 2].map(|_| (far + rng.between(-1.0, 1.0)) as f32)).collect();
         let triangles: Vec<[u32; 3]> = (0..10).map(|_| [0, 1, 2].map(|_| rng.below(12) as u32)).collect();
-        let mesh = PointSet { triangles, ..PointSet::of_positions(positions) };
+        let mesh = test_meshes::mesh(positions, triangles);
         let solid = Solid::new(&mesh);
         let limit = 0.05 * solid.diagonal();
         let found =
@@ -266,11 +246,8 @@ fn progress_moves_within_a_mesh() {
         });
         let parts = crate::decompose::decompose_in(&mesh, &Cover::default(), progress.whole()).unwrap().unwrap();
         is_done.store(true, std::sync::atomic::Ordering::Relaxed);
-        assert_eq!(
-            parts.len(),
-            decompose(&mesh, &Cover::default()).unwrap().unwrap().len(),
-            "progress changes no result"
-        );
+        let alone = decompose(&mesh, &Cover::default()).unwrap().unwrap();
+        assert_eq!(parts.len(), alone.len(), "progress changes no result");
         watcher.join().unwrap()
     });
     assert!(seen.len() > 5 && progress.share() >= 0.9, "{seen:?}, {}", progress.share());

@@ -426,14 +426,8 @@ impl Faces<'_> {
     }
 
     fn cut_off(&self, planes: &mut Vec<HalfSpace>, point: DVec3) -> bool {
-        let heights: Vec<f64> = self.body.planes.iter().map(|plane| plane.height(point)).collect();
-        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if !(highest > 3.0 * self.room) {
-            return false;
-        }
-        let high = (0..heights.len()).filter(|face| heights[*face] >= 0.7 * highest);
-        let best = high.max_by(|a, b| self.body.areas[*a].total_cmp(&self.body.areas[*b]).then(b.cmp(a)));
-        let Some(face) = best else { return false };
+        let above = self.body.face_below(point).filter(|(highest, _)| *highest > 3.0 * self.room);
+        let Some((_, face)) = above else { return false };
         let plane = self.plane(face);
         if planes.contains(&plane) {
             return false;
@@ -465,15 +459,13 @@ impl Faces<'_> {
 
 #[cfg(test)]
 mod tests {
-    use shapes::solids::extrusion;
-
     use super::*;
-    use crate::{decompose::tests::point_set, fit::Solid};
+    use crate::{fit::Solid, test_meshes::block};
 
     /// A plate, which may get a thickness of 0.2 only where it may protrude by half of that.
     #[test]
     fn a_hull_stays_thin_where_the_thick_one_protrudes_too_far() {
-        let mesh = point_set(&extrusion(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]], 0.0, 0.001));
+        let mesh = block([-1.0, -1.0, 0.0], [1.0, 1.0, 0.001]);
         let (solid, plate) = (Solid::new(&mesh), hull::build(&mesh).unwrap());
         let field = Field::new(&solid);
         let result = |limit: f64| {

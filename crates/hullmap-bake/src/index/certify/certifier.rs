@@ -7,7 +7,7 @@ use super::arcs::Piece;
 use super::proof::Proof;
 use super::region::{self, Cell, Outline};
 use crate::error::{REGRET_LIMIT, Unproven};
-use crate::hull::Hull;
+use crate::hull::{Hull, adjacency::Adjacency};
 
 /// Length from which a spike of a region beyond its core is treated as a sliver.
 const SPIKE: f64 = 0.1 * REGRET_LIMIT;
@@ -26,32 +26,16 @@ pub struct Certifier<'a, W: ?Sized> {
     pub words: &'a W,
     lanes: &'a [[u32; LANES]],
     positions: Vec<DVec3>,
-    starts: Vec<u32>,
-    neighbours: Vec<u32>,
+    adjacency: Adjacency,
     diameter: f64,
     pub work: usize,
 }
 
 impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {
     pub fn new(hull: &Hull, kind: IndexKind, words: &'a W, lanes: &'a [[u32; LANES]]) -> Self {
-        let lists = hull.neighbours();
-        let starts = std::iter::once(0).chain(lists.iter().scan(0, |end, list| {
-            *end += list.len() as u32;
-            Some(*end)
-        }));
-        let starts: Vec<u32> = starts.collect();
-        let neighbours = lists.concat();
-        let size = words.word_count() + lanes.len() * LANES + neighbours.len();
-        Self {
-            kind,
-            words,
-            lanes,
-            positions: hull.positions(),
-            starts,
-            neighbours,
-            diameter: hull.diameter,
-            work: WORK * size,
-        }
+        let adjacency = Adjacency::new(hull);
+        let size = words.word_count() + lanes.len() * LANES + adjacency.neighbours.len();
+        Self { kind, words, lanes, positions: hull.positions(), adjacency, diameter: hull.diameter, work: WORK * size }
     }
 
     /// Proves that every leaf lists every vertex: of a hull without an index, or of a hull without
@@ -108,10 +92,6 @@ impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {
         Ok(())
     }
 
-    fn neighbours(&self, vertex: u32) -> &[u32] {
-        &self.neighbours[self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize]
-    }
-
     fn best(&self, candidates: &[u32], direction: DVec3) -> u32 {
         let height = |vertex: &u32| self.positions[*vertex as usize].dot(direction);
         candidates.iter().copied().max_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or(0)
@@ -122,7 +102,7 @@ impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {
     fn has_support(&self, candidates: &[u32], direction: DVec3) -> bool {
         // The dot products of two vertices may be equal although one of them is better.
         candidates.iter().any(|&candidate| {
-            self.neighbours(candidate).iter().all(|&neighbour| {
+            self.adjacency.neighbours(candidate).iter().all(|&neighbour| {
                 let edge = self.positions[neighbour as usize] - self.positions[candidate as usize];
                 edge.dot(direction) <= ON_PLANE * edge.length() * direction.length()
             })
@@ -188,7 +168,8 @@ impl<'a, W: Words + Sync + ?Sized> Certifier<'a, W> {
         let best = self.best(candidates, direction);
         let height = |vertex: u32| (self.positions[vertex as usize] - self.positions[best as usize]).dot(direction);
         let mut top = best;
-        while let Some(next) = self.neighbours(top).iter().copied().max_by(|a, b| height(*a).total_cmp(&height(*b)))
+        while let Some(next) =
+            self.adjacency.neighbours(top).iter().copied().max_by(|a, b| height(*a).total_cmp(&height(*b)))
             && height(next) > height(top)
         {
             top = next;

@@ -1,3 +1,4 @@
+use glam::DVec3;
 use hullmap_format::{
     fan,
     slot::{Slot, encode_f64},
@@ -6,12 +7,10 @@ use hullmap_format::{
 use shapes::families;
 
 use super::*;
-use crate::{hull, index};
-use hullmap_geometry::PointSet;
+use crate::{index, test_meshes::hull_of};
 
 fn rock() -> Hull {
-    let positions = families::rock(300, 3);
-    hull::build(&PointSet::of_positions(positions)).unwrap()
+    hull_of(families::rock(300, 3))
 }
 
 fn prove(hull: &Hull, kind: IndexKind, words: &[u32], blocks: &[Block]) -> Result<Proof, Unproven> {
@@ -95,11 +94,8 @@ fn deep_indices_do_not_overflow_the_stack() {
     for level in 0..depth {
         let next = if level + 1 < depth { Slot::Fan(6 + (level + 1) * length) } else { list };
         // The axes turn, or a fan would have the angles of the one above it.
-        let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]][level as usize % 3..][..2]
-        else {
-            unreachable!()
-        };
-        words.extend(fan_words(BITS, x, y, [next, list]));
+        let axis = |k: u32| DVec3::AXES[(level + k) as usize % 3].to_array();
+        words.extend(fan_words(BITS, axis(0), axis(1), [next, list]));
     }
     words.extend([0, blocks.len() as u32]);
     let proof = prove(&hull, IndexKind::Tree, &words, &blocks);
