@@ -5,16 +5,13 @@
 //! shortest times so far, of the processor on Linux. Other processes take their part of the caches,
 //! so it runs on a quiet machine.
 
-use std::path::Path;
-
 use std::fmt::Write as _;
 use std::time::Duration;
 
 use hullmap_testkit::clock::thread_time;
 
-use super::super::*;
 use super::limits::soup;
-use crate::options::Split;
+use super::*;
 
 /// Divisor of the number of items for the smallest of the files.
 const SMALL: usize = 16;
@@ -27,24 +24,13 @@ const CLOCK_STEPS: Duration = Duration::from_millis(12);
 
 const ATTEMPTS: usize = 8;
 
-const OBJECTS: ImportOptions = ImportOptions { split: Split::Object, ..ImportOptions::DEFAULT };
-
 struct Case {
     name: &'static str,
     file: &'static str,
     count: usize,
     source: Box<dyn Fn(usize) -> SourceFile>,
-    expected: Expected,
+    is_faulty: bool,
 }
-
-/// Expected result of an import.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Expected {
-    Works,
-    Fails,
-}
-
-use Expected::{Fails, Works};
 
 fn text(text: String) -> SourceFile {
     SourceFile::alone(text.into_bytes())
@@ -133,15 +119,15 @@ fn texts() -> Vec<Case> {
     let case = |name, file, count, [start, piece, end]: [&str; 3]| {
         let [start, piece, end] = [start, piece, end].map(str::to_owned);
         let source = Box::new(move |count| text(format!("{start}{}{end}", pieces(count, &piece))));
-        Case { name, file, count, source, expected: Works }
+        Case { name, file, count, source, is_faulty: false }
     };
     let solid = format!("solid s\n{FACET}");
     let faulty = case("OBJ faults", "a.obj", 16_384, ["", "f 9\n", "v 0 0 0\n"]);
     let version_1 = ["{\"nodes\":{", "\"n#\":{\"meshes\":[\"m\"]},", "\"n\":{}},\"meshes\":{}}"];
     let version_1 = case("glTF 1.0 nodes", "a.gltf", 16_384, version_1);
     vec![
-        Case { expected: Fails, ..faulty },
-        Case { expected: Fails, ..version_1 },
+        Case { is_faulty: true, ..faulty },
+        Case { is_faulty: true, ..version_1 },
         case("OBJ vertices", "a.obj", 16_384, ["", "v # 0 1\n", ""]),
         case("OBJ faces", "a.obj", 16_384, ["v 0 0 0\n", "f 1 1 1\n", ""]),
         case("OBJ objects", "a.obj", 8_192, ["v 0 0 0\n", "o o#\np 1\n", ""]),
@@ -164,65 +150,20 @@ fn texts() -> Vec<Case> {
     ]
 }
 
-/// glTF texts with lists of a number of copies.
-fn documents() -> Vec<Case> {
-    let case = |name, count, template: &'static str| {
+/// glTF texts with lists of a number of copies: name, number and template.
+fn documents() -> impl Iterator<Item = Case> {
+    include_str!("growing_gltf.txt").lines().map(|row| {
+        let [name, count, template] = row.split(" | ").collect::<Vec<_>>()[..] else { panic!("{row}") };
         let source = Box::new(move |count| listed(template, count));
-        Case { name, file: "a.gltf", count, source, expected: Works }
-    };
-    vec![
-        case(
-            "glTF primitives of one accessor",
-            8_192,
-            r#"POINT,"meshes":[{"primitives":[@{"attributes":{"POSITION":0},"mode":0}@]}]"#,
-        ),
-        case("glTF nodes of one mesh", 8_192, r##"POINT,MESH,"nodes":[@{"mesh":0,"name":"n#"}@]"##),
-        case("glTF scenes", 16_384, r#"POINT,MESH,"nodes":[{"mesh":0}],"scenes":[@{"nodes":[0]}@]"#),
-        case(
-            "glTF meshes",
-            8_192,
-            r##"POINT,"meshes":[@{"name":"m#","primitives":[{"attributes":{"POSITION":0},"mode":0}]}@]"##,
-        ),
-        case(
-            "glTF accessors",
-            8_192,
-            r##""accessors":[@{"componentType":5126,"type":"VEC3","count":1}@],"meshes":[{"primitives":[@{"attributes":{"POSITION":#},"mode":0}@]}]"##,
-        ),
-        case(
-            "glTF buffer views",
-            8_192,
-            r##""buffers":[{"uri":"0.bin","byteLength":64}],"bufferViews":[@{"buffer":0,"byteLength":12}@],"accessors":[@{"bufferView":#,"componentType":5126,"type":"VEC3","count":1}@],"meshes":[{"primitives":[@{"attributes":{"POSITION":#},"mode":0}@]}]"##,
-        ),
-        case(
-            "glTF buffers with one URI",
-            8_192,
-            r##""buffers":[@{"uri":"0.bin","byteLength":64}@],"bufferViews":[@{"buffer":#,"byteLength":12}@],"accessors":[@{"bufferView":#,"componentType":5126,"type":"VEC3","count":1}@],"meshes":[{"primitives":[@{"attributes":{"POSITION":#},"mode":0}@]}]"##,
-        ),
-        case(
-            "glTF buffers in data URIs",
-            8_192,
-            r##""buffers":[@{"uri":"data:;base64,AAAAAAAAAAAAAAAA","byteLength":12}@],"bufferViews":[@{"buffer":#,"byteLength":12}@],"accessors":[@{"bufferView":#,"componentType":5126,"type":"VEC3","count":1}@],"meshes":[{"primitives":[@{"attributes":{"POSITION":#},"mode":0}@]}]"##,
-        ),
-        case("glTF buffers not required", 16_384, r##"POINT,MESH,"buffers":[@{"uri":"none#.bin","byteLength":1}@]"##),
-        case("glTF images", 16_384, r##"POINT,MESH,"images":[@{"uri":"#.png","extras":{"a":[1,2,{"b":"c"}]}}@]"##),
-        case("glTF extras", 16_384, r##"POINT,MESH,"extras":[@{"uri":"#.png","extras":{"a":[1,2,{"b":"c"}]}}@]"##),
-        case(
-            "glTF required extensions",
-            16_384,
-            r##"POINT,MESH,"extensionsRequired":[@"KHR_materials_#"@],"extensionsUsed":[@"KHR_materials_#"@]"##,
-        ),
-        case("glTF children of a node", 8_192, r##"POINT,MESH,"nodes":[@{}@,{"mesh":0,"children":[@#@]}]"##),
-    ]
+        Case { name, file: "a.gltf", count: count.parse().unwrap(), source, is_faulty: false }
+    })
 }
 
 /// Files of other kinds.
 fn cases() -> Vec<Case> {
-    let case = |name, file, count, source: fn(usize) -> SourceFile| Case {
-        name,
-        file,
-        count,
-        source: Box::new(source),
-        expected: Works,
+    let case = |name, file, count, source: fn(usize) -> SourceFile| {
+        let source = Box::new(source);
+        Case { name, file, count, source, is_faulty: false }
     };
     let others = [
         case("glTF buffers", "a.gltf", 8_192, |count| {
@@ -239,7 +180,7 @@ fn cases() -> Vec<Case> {
         }),
         case("OBJ blank lines behind a continuation", "a.obj", 65_536, |count| {
             // Longer than a part, so that the cut falls on the blank lines.
-            let long = " ".repeat(super::super::obj::PART_BYTES);
+            let long = " ".repeat(crate::obj::PART_BYTES);
             text(format!("v 0 0 0\n#{long}\\{}", "\n".repeat(count)))
         }),
         case("OBJ in UTF-16", "a.obj", 16_384, |count| {
@@ -260,11 +201,9 @@ fn cases() -> Vec<Case> {
         }),
         case("glTF sparse replacements", "a.gltf", 16_384, sparse),
         case("GLB triangles compressed by Draco", "a.glb", 8_192, |count| {
-            SourceFile::alone(super::draco::sheet(count as u32))
+            SourceFile::alone(draco::sheet(count as u32))
         }),
-        case("GLB vertices compressed by meshopt", "a.glb", 65_536, |count| {
-            SourceFile::alone(super::meshopt::zeros(count))
-        }),
+        case("GLB vertices compressed by meshopt", "a.glb", 65_536, |count| SourceFile::alone(meshopt::zeros(count))),
         case("GLB chunks", "a.glb", 65_536, |count| {
             let mut bytes = shapes::gltf::glb(&document(&format!("{POINT},{MESH}")).bytes, b"");
             bytes.extend([4, 0, 0, 0, b'x', 0, 0, 0, 1, 2, 3, 4].repeat(count));
@@ -308,12 +247,11 @@ fn cases() -> Vec<Case> {
 
 /// Time of repeated imports in one thread, whether it succeeds or fails.
 fn time(case: &Case, source: &SourceFile, repetitions: usize) -> Duration {
-    let path = Path::new(case.file);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     pool.install(|| {
         let start = thread_time();
         for _ in 0..repetitions {
-            drop(import(case.file, "shape", path, source, &OBJECTS, &Limits::DEFAULT));
+            drop(import_source(case.file, source, OBJECTS));
             if case.file.ends_with(".gltf") {
                 drop(crate::gltf::buffer_paths(&source.bytes));
             }
@@ -349,8 +287,8 @@ fn the_exponent_of_every_count_is_1() {
     for case in cases() {
         let files = FACTORS.map(|factor| (case.source)(factor * case.count / SMALL));
         for file in &files {
-            let result = import(case.file, "shape", Path::new(case.file), file, &OBJECTS, &Limits::DEFAULT);
-            assert_eq!(result.is_ok(), case.expected == Works, "{}: {result:?}", case.name);
+            let result = import_source(case.file, file, OBJECTS);
+            assert_eq!(result.is_err(), case.is_faulty, "{}: {result:?}", case.name);
         }
         let mut repetitions = SMALL;
         while time(&case, &files[FACTORS.len() - 1], repetitions) < CLOCK_STEPS && repetitions < 1 << 12 {
@@ -379,12 +317,8 @@ fn the_exponent_of_every_count_is_1() {
 #[test]
 fn repeated_primitives_and_names_reach_the_limit() {
     for template in REPEATED {
-        let import = |count: usize| {
-            let source = listed(template, count);
-            import("a.gltf", "a", Path::new("a.gltf"), &source, &OBJECTS, &Limits::DEFAULT)
-        };
-        let error = import(4096).unwrap_err().to_string();
-        assert!(error.contains("max_instanced"), "{error}");
+        let import = |count: usize| import_source("a.gltf", &listed(template, count), OBJECTS);
+        fails(import(4096), "max_instanced");
         assert_eq!(import(64).unwrap().point_sets.len(), 64);
     }
 }

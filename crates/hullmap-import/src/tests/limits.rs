@@ -2,25 +2,19 @@
 //! documented memory. Each is imported in a process of its own, whose peak resident size counts,
 //! without what was resident before the file was loaded.
 
-use std::path::Path;
-
 use std::fmt::Write as _;
 use std::process::Command;
 
 use shapes::gltf;
 
-use super::super::limits::{GLTF_LIST, MEMORY_BASE, MEMORY_FACTOR};
-use super::super::*;
-use crate::options::Split;
+use super::*;
+use crate::limits::{GLTF_LIST, MEMORY_BASE, MEMORY_FACTOR};
 
 /// Two parts of an OBJ file, and several times the constant memory of an import.
 const SIZE: usize = 8 << 20;
 
 /// Environment variable with the index of the file that the child process imports.
 const CASE: &str = "HULLMAP_IMPORT_CASE";
-
-const WHOLE: ImportOptions = ImportOptions::DEFAULT;
-const OBJECTS: ImportOptions = ImportOptions { split: Split::Object, ..WHOLE };
 
 /// Expected result of an import: words of an error, or a number of points; 0 is any number.
 enum Expected {
@@ -62,8 +56,6 @@ fn scene(nodes: &str, roots: &str) -> Vec<u8> {
     let mesh = shapes::solids::extrusion(&shapes::solids::regular_polygon(1000, 1.0), 0.0, 1.0);
     gltf::parts(&[("mesh", &mesh)], nodes, roots).glb()
 }
-
-const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 const PLY: &str = "property float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n";
 
@@ -135,12 +127,9 @@ fn texts() -> Vec<Case> {
 
 /// Files of other kinds.
 fn cases() -> Vec<Case> {
-    let case = |name, file, bytes: fn() -> Vec<u8>, expected| Case {
-        name,
-        file,
-        options: WHOLE,
-        bytes: Box::new(bytes),
-        expected,
+    let case = |name, file, bytes: fn() -> Vec<u8>, expected| {
+        let bytes = Box::new(bytes);
+        Case { name, file, options: WHOLE, bytes, expected }
     };
     let split = |case: Case| Case { options: OBJECTS, ..case };
     let others = [
@@ -315,7 +304,7 @@ fn one_file() {
     std::fs::write("/proc/self/clear_refs", "5").unwrap();
     let before = status("VmRSS:").saturating_sub(length);
     let start = std::time::Instant::now();
-    let result = import(case.file, "shape", Path::new(case.file), &source, &case.options, &Limits::DEFAULT);
+    let result = import_source(case.file, &source, case.options);
     let peak = status("VmHWM:").saturating_sub(before);
     let factor = peak as f64 / length as f64;
     println!("import of {length} bytes: peak {peak} bytes, {factor:.1} times, in {:.2?}", start.elapsed());

@@ -1,4 +1,4 @@
-//! Import of literal OBJ texts.
+//! Import of files of each format: here of literal OBJ texts, and of damaged texts.
 
 mod collada;
 mod draco;
@@ -13,7 +13,6 @@ use std::path::Path;
 
 use shapes::{mesh::Mesh, solids};
 
-use super::fault::Fault;
 use super::*;
 use crate::options::Split;
 
@@ -37,43 +36,98 @@ fn outline(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[[u32; 3]; 3]> {
     all
 }
 
-const WHOLE: ImportOptions =
-    ImportOptions { split: Split::None, vertices: Vertices::Referenced, ..ImportOptions::DEFAULT };
-const WHOLE_ALL: ImportOptions =
-    ImportOptions { split: Split::None, vertices: Vertices::All, ..ImportOptions::DEFAULT };
-const OBJECTS: ImportOptions =
-    ImportOptions { split: Split::Object, vertices: Vertices::Referenced, ..ImportOptions::DEFAULT };
-const OBJECTS_ALL: ImportOptions =
-    ImportOptions { split: Split::Object, vertices: Vertices::All, ..ImportOptions::DEFAULT };
+const WHOLE: ImportOptions = ImportOptions::DEFAULT;
+const WHOLE_ALL: ImportOptions = ImportOptions { vertices: Vertices::All, ..WHOLE };
+const OBJECTS: ImportOptions = ImportOptions { split: Split::Object, ..WHOLE };
+const OBJECTS_ALL: ImportOptions = ImportOptions { vertices: Vertices::All, ..OBJECTS };
+const AUTO: ImportOptions = ImportOptions { split: Split::Auto, ..WHOLE };
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
-fn import_obj(file: &str, stem: &str, bytes: &[u8], options: ImportOptions) -> Result<Imported, ImportError> {
-    let source = SourceFile::alone(bytes.to_vec());
-    super::import(file, stem, Path::new("shape.obj"), &source, &options, &Limits::DEFAULT)
+fn import_within(limits: &Limits, name: &str, bytes: impl AsRef<[u8]>) -> Result<Imported, ImportError> {
+    super::import(name, "shape", Path::new(name), &SourceFile::alone(bytes.as_ref().to_vec()), &WHOLE, limits)
+}
+
+fn import_file(name: &str, bytes: impl AsRef<[u8]>, options: ImportOptions) -> Result<Imported, ImportError> {
+    import_source(name, &SourceFile::alone(bytes.as_ref().to_vec()), options)
+}
+
+fn import_source(name: &str, source: &SourceFile, options: ImportOptions) -> Result<Imported, ImportError> {
+    super::import(name, "shape", Path::new(name), source, &options, &Limits::DEFAULT)
 }
 
 fn import(text: impl AsRef<[u8]>, options: ImportOptions) -> Imported {
-    import_obj("shape.obj", "shape", text.as_ref(), options).unwrap()
+    import_file("shape.obj", text, options).unwrap()
+}
+
+/// Asserts that an import failed with a message of some words.
+#[track_caller]
+fn fails(result: Result<Imported, ImportError>, words: &str) {
+    let message = result.map(|imported| imported.vertex_count).expect_err(words).to_string();
+    assert!(message.contains(words) && message.len() < 500, "{message}\nexpected: {words}");
+}
+
+/// Asserts that each change of a good file, a row of `damages.txt`, has its message.
+fn check_damages(file: &str, good: &str, mut import: impl FnMut(&str) -> Result<Imported, ImportError>) {
+    let sections = include_str!("damages.txt").split("\n# ").skip(1);
+    let section = sections.filter_map(|section| section.strip_prefix(file)).next().unwrap();
+    for row in section.lines().filter(|row| !row.is_empty()) {
+        let columns: Vec<&str> = row.split(" | ").collect();
+        let (changes, words) = columns.as_chunks::<2>();
+        let mut text = good.to_owned();
+        for [from, to] in changes {
+            assert!(text.contains(from), "{from} in {text}");
+            text = text.replace(from, to);
+        }
+        println!("{row}");
+        fails(import(&text), words[0]);
+    }
+}
+
+#[test]
+fn damaged_texts_are_errors_with_their_place() {
+    let files: Vec<&str> = include_str!("damaged.txt").split("\n=== ").skip(1).collect();
+    assert!(files.len() > 55, "{}", files.len());
+    let mut wrong = Vec::new();
+    for file in files {
+        let (expected, text) = file.split_once('\n').unwrap_or((file, ""));
+        let (place, words) = expected.split_once(": ").unwrap();
+        let name = place.split(':').next().unwrap();
+        let message =
+            import_file(name, format!("{text}\n"), WHOLE).map_or_else(|error| error.to_string(), |_| "imported".into());
+        if !message.starts_with(&format!("{place}: ")) || !message.contains(words) || message.len() > 500 {
+            wrong.push(format!("{expected}\nfound: {message}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 fn vertices(text: impl AsRef<[u8]>) -> Vec<u32> {
     let imported = import(text, WHOLE);
-    assert_eq!(imported.point_sets.len(), 1);
-    assert_eq!(imported.point_sets[0].name, "shape");
+    assert_eq!(names(&imported), ["shape"]);
     imported.point_sets[0].source_vertices.clone()
-}
-
-fn fault(text: impl AsRef<[u8]>) -> (Option<usize>, Fault) {
-    let error = import_obj("shape.obj", "shape", text.as_ref(), WHOLE).unwrap_err();
-    let message = error.to_string();
-    let place = error.line.map_or("shape.obj: ".to_owned(), |line| format!("shape.obj:{line}: "));
-    assert!(message.starts_with(&place), "{message}");
-    (error.line, error.fault)
 }
 
 fn square_with(lines: &str) -> String {
     format!("{SQUARE}{lines}")
+}
+
+fn names(imported: &Imported) -> Vec<&str> {
+    imported.point_sets.iter().map(|set| set.name.as_str()).collect()
+}
+
+/// Triangles of the first object, by indices of its points.
+fn triangles(imported: &Imported) -> Vec<[u32; 3]> {
+    imported.faces[0].triangles(&imported.point_sets[0].positions)
+}
+
+#[track_caller]
+fn has_note(imported: &Imported, words: &str) {
+    assert!(imported.notes.iter().any(|note| note.contains(words)), "{:?}", imported.notes);
+}
+
+fn floats(numbers: &[f32]) -> Vec<u8> {
+    numbers.iter().flat_map(|x| x.to_le_bytes()).collect()
 }
 
 fn sets_of(imported: &Imported) -> Vec<(&str, &[u32])> {
@@ -125,7 +179,7 @@ fn a_bare_cloud_takes_every_vertex() {
     let imported = import(SQUARE, WHOLE);
     assert_eq!(imported.point_sets[0].source_vertices, [0, 1, 2, 3]);
     assert_eq!(imported.unreferenced_count, 4);
-    assert!(imported.notes.iter().any(|note| note.contains("point cloud")), "{:?}", imported.notes);
+    has_note(&imported, "point cloud");
 }
 
 #[test]
@@ -133,7 +187,7 @@ fn unreferenced_vertices_are_counted_and_left_out() {
     let text = square_with("f 1 2 3\n");
     let imported = import(&text, WHOLE);
     assert_eq!((imported.vertex_count, imported.unreferenced_count, imported.point_count()), (4, 1, 3));
-    assert!(imported.notes.iter().any(|note| note.contains("1 vertex that no element")), "{:?}", imported.notes);
+    has_note(&imported, "1 vertex that no element");
     assert_eq!(import(&text, WHOLE_ALL).point_sets[0].source_vertices, [0, 1, 2, 3]);
 }
 
@@ -193,81 +247,31 @@ fn utf_16_with_a_byte_order_mark_is_decoded() {
     for bytes in [u16::to_le_bytes, u16::to_be_bytes] {
         let bytes = |units: &[u16]| units.iter().flat_map(|&unit| bytes(unit)).collect::<Vec<u8>>();
         assert_eq!(vertices(bytes(&units[..units.len() - 7])), [0, 1]);
-        assert_eq!(fault(bytes(&units)), (Some(5), Fault::TooFewCoordinates { found: 2 }));
-        assert_eq!(fault(bytes(&units[..1])), (None, Fault::Empty));
+        fails(import_file("a.obj", bytes(&units), WHOLE), "a.obj:5: `v` has 2 of 3 coordinates");
+        fails(import_file("a.obj", bytes(&units[..1]), WHOLE), "a.obj: the file is empty");
     }
 }
 
 #[test]
-fn faults_have_their_line() {
-    use Fault::*;
-    let (with, text) = (square_with, |text: &str| text.to_owned());
-    let bad = |word: &str| (with(&format!("f 1 2 {word}\n")), Some(5), BadReference { text: text(word) });
-    for (file, line, expected) in [
-        ("v 1 2 3 1 1\n".into(), Some(1), CoordinateCount { found: 5 }),
-        ("v 1 2 3 1 1 1 1\n".into(), Some(1), CoordinateCount { found: 7 }),
-        ("v 1 2 3 x\n".into(), Some(1), BadNumber { text: text("x") }),
-        ("v 0 0 0\nv 1 nan 0\n".into(), Some(2), NotANumber { text: text("nan") }),
-        ("\n\nv 1 0 -Inf\n".into(), Some(3), Infinite { text: text("-Inf") }),
-        ("v 1e39 0 0\n".into(), Some(1), Overflow { text: text("1e39") }),
-        ("v 0 0 0\r\nv 0 zero 0\r\n".into(), Some(2), BadNumber { text: text("zero") }),
-        // In continued lines, their first line. Later lines keep their numbers.
-        ("v 0 \\\n0 x\n".into(), Some(1), BadNumber { text: text("x") }),
-        ("v 0 \\\n0 0\nv 1 x 0\n".into(), Some(3), BadNumber { text: text("x") }),
-        // Truncated files.
-        ("v 0 0 0\nv 1 0".into(), Some(2), TooFewCoordinates { found: 2 }),
-        ("v\n".into(), Some(1), TooFewCoordinates { found: 0 }),
-        (with("f"), Some(5), NoReferences { keyword: text("f") }),
-        (with("p #1"), Some(5), NoReferences { keyword: text("p") }),
-        // References.
-        (with("f 0 1 2\n"), Some(5), ZeroIndex { text: text("0") }),
-        (with("\nf 1 2 5\nf 1 2 3\n"), Some(6), IndexTooLarge { text: text("5"), count: 4 }),
-        ("f 1 2 3\nv 0 0 0\n".into(), Some(1), IndexTooLarge { text: text("2"), count: 1 }),
-        (with("p 99999999999\n"), Some(5), IndexTooLarge { text: text("99999999999"), count: 4 }),
-        (with("f -1 -2 -5\n"), Some(5), IndexBeforeFirst { text: text("-5"), declared: 4 }),
-        (
-            with("p -9223372036854775808\n"),
-            Some(5),
-            IndexBeforeFirst { text: text("-9223372036854775808"), declared: 4 },
-        ),
-        bad("x"),
-        bad("1.0"),
-        bad("/1"),
-        bad("1/x"),
-        bad("1/1/1/1"),
-        bad("99999999999999999999"),
-        bad("//"),
-        // Files that are not OBJ.
-        (text(""), None, Empty),
-        (" \r\n\t\n".into(), None, Empty),
-        ("\u{FEFF}".into(), None, Empty),
-        ("# nothing\no nothing\n".into(), None, NoVertices),
-        ("f 1 2 3\n".into(), None, NoVertices),
+fn odd_bytes_and_ends_of_obj_files_are_errors() {
+    for (bytes, words) in [
+        (&b" \r\n\t\n"[..], "a.obj: the file is empty"),
+        (b"\xEF\xBB\xBF", "a.obj: the file is empty"),
+        (b"v 0 0 0\nf", "a.obj:2: `f` references no vertices"),
+        (b"v 0 0 0\nv 1 0", "a.obj:2: `v` has 2 of 3 coordinates"),
+        (b"v 0 \xE9 0\n", "a.obj:1: coordinate `\u{FFFD}` is not a number"),
     ] {
-        assert_eq!(fault(&file), (line, expected), "{file:?}");
+        fails(import_file("a.obj", bytes, WHOLE), words);
     }
-    assert!(fault("v 1,5 0 0\n").1.to_string().contains("comma"));
-    assert_eq!(fault(b"v 0 \xE9 0\n"), (Some(1), BadNumber { text: text("\u{FFFD}") }));
-    assert!(fault(b"\x89PNG\r\n\x1A\n\0\0\0").1.to_string().starts_with("the file is an image; expected OBJ"));
-    // Long words are truncated.
-    let message = fault(format!("v 0 0 {}\n", "x".repeat(5000))).1.to_string();
-    assert!(message.len() < 200, "{message}");
-    let message = |text: &str| import_obj("a.obj", "a", text.as_bytes(), WHOLE).unwrap_err().to_string();
-    for (text, expected) in [
-        ("v 0 0 0\nf 2\n", "(the file has 1 vertex)"),
-        ("f 2\nv 0 0 0\nv 0 0 0\nf 3\n", "(the file has 2 vertices)"),
-        ("f -1\nv 0 0 0\n", "(0 vertices above this line)"),
-        ("v 0 0 0\nf -2\n", "(1 vertex above this line)"),
-    ] {
-        assert!(message(text).contains(expected), "{text:?}");
-    }
+    let long = import_file("a.obj", format!("v 0 0 {}\n", "x".repeat(5000)), WHOLE).unwrap_err().to_string();
+    assert!(long.len() < 200, "{long}");
 }
 
 #[test]
 fn faces_of_two_vertices_are_elements_with_a_note() {
     let imported = import(square_with("f 1 2\n"), WHOLE);
     assert_eq!(imported.point_sets[0].source_vertices, [0, 1]);
-    assert!(imported.notes.iter().any(|note| note.contains("fewer than 3")), "{:?}", imported.notes);
+    has_note(&imported, "fewer than 3");
 }
 
 const TWO: &str =
@@ -279,7 +283,7 @@ fn objects_become_point_sets() {
     assert_eq!(sets_of(&imported), [("left", &[0, 1, 2][..]), ("right", &[2, 4, 5][..])]);
     assert_eq!(imported.point_sets[1].positions, [[1.0, 0.0, 0.0], [5.0, 0.0, 0.0], [5.0, 1.0, 0.0]]);
     assert_eq!(imported.unreferenced_count, 1);
-    assert!(imported.notes.iter().any(|note| note.contains("skipped: 1 (empty)")), "{:?}", imported.notes);
+    has_note(&imported, "skipped: 1 (empty)");
     assert_eq!(vertices(TWO), [0, 1, 2, 4, 5]);
 }
 
@@ -294,24 +298,19 @@ fn unreferenced_vertices_belong_to_the_object_that_declares_them() {
 
 #[test]
 fn object_names() {
-    let names =
-        |text: &str| -> Vec<String> { import(text, OBJECTS).point_sets.into_iter().map(|set| set.name).collect() };
-    assert_eq!(
-        names("v 0 0 0\np 1\no\np 1\no  two words \np 1\no two words\np 1\n"),
-        ["shape", "shape_2", "two words", "two words_2"]
-    );
-    assert_eq!(names("\to\tx#1\nv 0 0 0\np 1\n"), ["x#1"]);
+    let text = "v 0 0 0\np 1\no\np 1\no  two words \np 1\no two words\np 1\n\to\tx#1\np 1\n";
+    assert_eq!(names(&import(text, OBJECTS)), ["shape", "shape_2", "two words", "two words_2", "x#1"]);
 }
 
 #[test]
 fn groups_are_not_objects() {
     let imported = import(square_with("g one\nf 1 2 3\ng two\nf 1 3 4\n"), OBJECTS);
     assert_eq!(sets_of(&imported), [("shape", &[0, 1, 2, 3][..])]);
-    assert!(imported.notes.iter().any(|note| note.contains("groups")), "{:?}", imported.notes);
+    has_note(&imported, "groups");
 }
 
 #[test]
 fn free_form_surfaces_are_noted() {
     let imported = import(square_with("p 1\ncstype bezier\nsurf 0 1 0 1 1 2 3 4\n"), WHOLE);
-    assert!(imported.notes.iter().any(|note| note.contains("line 7: free-form")), "{:?}", imported.notes);
+    has_note(&imported, "line 7: free-form");
 }

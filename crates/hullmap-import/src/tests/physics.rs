@@ -1,18 +1,12 @@
 //! Colliders of physics extensions, read with `--split auto`.
 
-use std::path::Path;
-
 use shapes::gltf;
 use shapes::solids::{extrusion, regular_polygon};
 
-use super::super::*;
+use super::*;
 
-const AUTO: ImportOptions = ImportOptions { split: Split::Auto, ..ImportOptions::DEFAULT };
-
-fn import_text(text: &str, split: Split) -> Result<Imported, ImportError> {
-    let source = SourceFile::alone(text.as_bytes().to_vec());
-    let options = ImportOptions { split, ..AUTO };
-    import("a.gltf", "shape", Path::new("a.gltf"), &source, &options, &Limits::DEFAULT)
+fn read(text: &str) -> Imported {
+    import_file("a.gltf", text, AUTO).unwrap()
 }
 
 fn file(nodes: &str, roots: &str, members: &str) -> String {
@@ -20,10 +14,6 @@ fn file(nodes: &str, roots: &str, members: &str) -> String {
     let prism = extrusion(&regular_polygon(5, 1.0), -0.5, 0.5);
     let text = gltf::parts(&[("ring", &ring), ("prism", &prism)], nodes, roots).text_with_data();
     text.replacen('{', &format!("{{{members}"), 1)
-}
-
-fn names(imported: &Imported) -> Vec<&str> {
-    imported.point_sets.iter().map(|set| set.name.as_str()).collect()
 }
 
 fn bounds(imported: &Imported, index: usize) -> [[f32; 3]; 2] {
@@ -53,7 +43,7 @@ fn omi_colliders_are_parts() {
         omi(2),
         omi(-1)
     );
-    let imported = import_text(&file(&nodes, "0,3", OMI_SHAPES), Split::Auto).unwrap();
+    let imported = read(&file(&nodes, "0,3", OMI_SHAPES));
     assert_eq!(names(&imported), ["hull", "box"]);
     assert_eq!(imported.point_sets[0].positions.len(), 10);
     assert_eq!(bounds(&imported, 1), [[-1.0, -2.0, -3.0], [1.0, 2.0, 3.0]]);
@@ -66,8 +56,8 @@ fn omi_colliders_are_parts() {
     assert!(!notes.contains("meshes outside the scene"), "{notes}");
     assert!(imported.warnings.is_empty(), "{:?}", imported.warnings);
     // Without --split auto, colliders are no part of the shape.
-    for split in [Split::None, Split::Object] {
-        let imported = import_text(&file(&nodes, "0,3", OMI_SHAPES), split).unwrap();
+    for options in [WHOLE, OBJECTS] {
+        let imported = import_file("a.gltf", file(&nodes, "0,3", OMI_SHAPES), options).unwrap();
         assert_eq!(imported.point_sets.len(), 1);
         assert_eq!(imported.point_sets[0].positions.len(), 24);
     }
@@ -94,7 +84,7 @@ fn khr_colliders_are_parts() {
     nodes.push(r#"{"name":"holder","mesh":1,"translation":[50,0,0]}"#.to_owned());
     nodes.push(r#"{"name":"top","mesh":1,"children":[12]}"#.to_owned());
     nodes.push(r#"{"name":"below","mesh":1,"translation":[0,7,0]}"#.to_owned());
-    let imported = import_text(&file(&nodes.join(","), "0,1,2,3,4,5,6,7,8,9", shapes), Split::Auto).unwrap();
+    let imported = read(&file(&nodes.join(","), "0,1,2,3,4,5,6,7,8,9", shapes));
     assert_eq!(names(&imported), ["mesh", "node", "tree", "sphere", "cone", "box", "capsule", "sheet"]);
     assert_eq!(bounds(&imported, 0), bounds(&imported, 1));
     assert_eq!(bounds(&imported, 2)[1][1], bounds(&imported, 0)[1][1] + 7.0);
@@ -105,18 +95,17 @@ fn khr_colliders_are_parts() {
     assert_eq!(bounds(&imported, 7), [[-1.0, 0.0, -3.0], [1.0, 0.0, 3.0]]);
     assert_eq!(imported.warnings.len(), 1);
     assert!(imported.warnings[0].contains("(plane) has a plane without end"), "{:?}", imported.warnings);
-    assert!(imported.notes.iter().any(|note| note.contains("2 % of the radius inside: 3")), "{:?}", imported.notes);
+    has_note(&imported, "2 % of the radius inside: 3");
 }
 
 /// The extension alone names the mesh: no node draws it. `--split none` reports the remedy.
 #[test]
 fn files_of_colliders_alone_are_read() {
     let text = file(&format!(r#"{{"name":"only",{}}}"#, omi(0)), "0", OMI_SHAPES);
-    let imported = import_text(&text, Split::Auto).unwrap();
+    let imported = read(&text);
     assert_eq!(names(&imported), ["only"]);
     assert!(imported.point_sets[0].stands_for.is_none());
-    let error = import_text(&text, Split::None).unwrap_err().to_string();
-    assert!(error.contains("has colliders: add --split auto"), "{error}");
+    fails(import_file("a.gltf", text, WHOLE), "has colliders: add --split auto");
 }
 
 #[test]
@@ -125,7 +114,7 @@ fn a_collider_of_both_extensions_is_one_part() {
         r#""extensions":{{"KHR_physics_rigid_bodies":{{"collider":{{"geometry":{{"mesh":1,"convexHull":true}}}}}},{}"#,
         &omi(2)["\"extensions\":{".len()..]
     );
-    let imported = import_text(&file(&format!(r#"{{"name":"a",{both}}}"#), "0", OMI_SHAPES), Split::Auto).unwrap();
+    let imported = read(&file(&format!(r#"{{"name":"a",{both}}}"#), "0", OMI_SHAPES));
     assert_eq!(names(&imported), ["a"]);
     assert_eq!(imported.point_sets[0].positions.len(), 10);
     // Older drafts have one radius. A trigger is not a collider.
@@ -133,7 +122,7 @@ fn a_collider_of_both_extensions_is_one_part() {
         r#"{{"name":"old",{}}},{{"name":"t","extensions":{{"OMI_physics_body":{{"trigger":{{"shape":0}}}}}}}}"#,
         omi(4)
     );
-    let imported = import_text(&file(&nodes, "0,1", OMI_SHAPES), Split::Auto).unwrap();
+    let imported = read(&file(&nodes, "0,1", OMI_SHAPES));
     assert_eq!(names(&imported), ["old"]);
     assert_eq!(bounds(&imported, 0), [[-2.0, -3.5, -2.0], [2.0, 3.5, 2.0]]);
 }
@@ -141,29 +130,27 @@ fn a_collider_of_both_extensions_is_one_part() {
 #[test]
 fn colliders_of_triangles_have_a_warning() {
     let nodes = format!(r#"{{"name":"t",{}}},{{"name":"k",{}}}"#, omi(1), khr(r#"{"mesh":1}"#));
-    let imported = import_text(&file(&nodes, "0,1", OMI_SHAPES), Split::Auto).unwrap();
+    let imported = read(&file(&nodes, "0,1", OMI_SHAPES));
     assert_eq!(names(&imported), ["t", "k"]);
     assert!(imported.warnings[0].contains("2 colliders are of triangles (the first is t)"), "{:?}", imported.warnings);
 }
 
 #[test]
 fn faulty_extensions_are_rejected_only_if_they_are_read() {
-    let cyclic = format!(r#"{{"name":"a",{}}},{{"children":[2]}},{{"children":[1]}}"#, khr(r#"{"node":1}"#));
-    for (nodes, words) in [
-        (format!(r#"{{"name":"a",{}}}"#, omi(9)), "collider shape 9, which does not exist (OMI_physics_shape has 5)"),
-        (format!(r#"{{"name":"a",{}}}"#, khr(r#"{"shape":0}"#)), "KHR_implicit_shapes has 0"),
-        (format!(r#"{{"name":"a",{}}}"#, khr("{}")), "without a shape, a mesh or a node"),
-        (format!(r#"{{"name":"a",{}}}"#, khr("[1]")), "cannot be read"),
-        (format!(r#"{{"name":"a",{}}}"#, khr(r#"{"mesh":7}"#)), "mesh index 7, which is out of range"),
-        (format!(r#"{{"name":"a",{}}}"#, khr(r#"{"node":7}"#)), "node index 7, which is out of range"),
-        (cyclic, "cycle of nodes"),
+    for (collider, words) in [
+        (omi(9), "collider shape 9, which does not exist (OMI_physics_shape has 5)"),
+        (khr(r#"{"shape":0}"#), "KHR_implicit_shapes has 0"),
+        (khr("{}"), "without a shape, a mesh or a node"),
+        (khr("[1]"), "cannot be read"),
+        (khr(r#"{"mesh":7}"#), "mesh index 7, which is out of range"),
+        (khr(r#"{"node":7}"#), "node index 7, which is out of range"),
+        (khr(r#"{"node":1}"#), "cycle of nodes"),
     ] {
-        let drawn = format!(r#"{nodes},{{"mesh":0}}"#);
-        let roots = format!("0,{}", if nodes.contains("children") { 3 } else { 1 });
-        let text = file(&drawn, &roots, OMI_SHAPES);
-        let error = import_text(&text, Split::Auto).expect_err(words).to_string();
+        let nodes = format!(r#"{{"name":"a",{collider}}},{{"children":[2]}},{{"children":[1]}},{{"mesh":0}}"#);
+        let text = file(&nodes, "0,3", OMI_SHAPES);
+        let error = import_file("a.gltf", &text, AUTO).expect_err(words).to_string();
         assert!(error.contains(words) && error.contains("node 0 (a)"), "{error}");
-        assert_eq!(import_text(&text, Split::None).unwrap().vertex_count, 24);
+        assert_eq!(import_file("a.gltf", &text, WHOLE).unwrap().vertex_count, 24);
     }
 }
 
@@ -174,6 +161,5 @@ fn colliders_count_against_the_limit_on_repetition() {
     let roots = (0..30_000).map(|index| index.to_string()).collect::<Vec<_>>().join(",");
     let limits = Limits { repeated_vertices: 10_000, ..Limits::DEFAULT };
     let source = SourceFile::alone(file(&nodes, &roots, "").into_bytes());
-    let error = import("a.gltf", "a", Path::new("a.gltf"), &source, &AUTO, &limits).unwrap_err().to_string();
-    assert!(error.contains("max_instanced"), "{error}");
+    fails(crate::import("a.gltf", "a", Path::new("a.gltf"), &source, &AUTO, &limits), "max_instanced");
 }
