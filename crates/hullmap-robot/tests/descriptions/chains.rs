@@ -3,13 +3,11 @@
 use std::f64::consts::FRAC_PI_2;
 
 use hullmap_robot::glam::DVec3;
-use hullmap_robot::{Description, Displacement, Geometry, Motion, NamedPrimitive, Places, Primitive};
+use hullmap_robot::{Description, Displacement, Geometry, Motion, NamedPrimitive, Primitive};
 
 fn read(text: &str) -> Description {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("robot.xml");
-    std::fs::write(&file, text).unwrap();
-    Description::read(&file, &Places::default()).unwrap()
+    let (_guard, root) = super::folder(&[("robot.xml", text)]);
+    super::read(&root, "robot.xml").unwrap()
 }
 
 /// Position of a point of a link, for displacements of the joints that follow no other.
@@ -28,27 +26,12 @@ fn assert_near(found: DVec3, expected: [f64; 3]) {
 
 #[test]
 fn urdf() {
-    let link = |name: &str| format!("<link name='{name}'/>\n");
-    let text = [
-        "<robot name='r'>",
-        &["a", "b", "c", "d"].map(link).concat(),
-        "<joint name='ab' type='revolute'><parent link='a'/><child link='b'/><origin xyz='1 0 0' rpy='0 0 1.5707963267948966'/>\
-         <axis xyz='0 0 2'/><limit lower='0.5' upper='1.5'/></joint>\n",
-        "<joint name='bc' type='prismatic'><parent link='b'/><child link='c'/><origin xyz='1 0 0'/>\
-         <limit lower='-1' upper='1'/><mimic joint='ab' multiplier='2' offset='0.25'/></joint>\n",
-        "<joint name='cd' type='fixed'><parent link='c'/><child link='d'/><origin xyz='0 0 3'/></joint>\n",
-        "<joint name='da' type='fixed'><parent link='d'/><child link='a'/></joint>\n",
-        "<joint name='x' type='fixed'><parent link='d'/><child link='none'/></joint>\n",
-        "<joint name='ac' type='fixed'><parent link='a'/><child link='c'/></joint>\n",
-        "<transmission name='t'><joint name='ab'/></transmission></robot>",
-    ]
-    .concat();
-    let robot = read(&text);
+    let robot = read(include_str!("files/chain.urdf"));
     let joints = &robot.chain.joints;
     assert_eq!([joints.len(), robot.chain.warnings.len()], [2, 3], "{:?}", robot.chain.warnings);
     for warning in [
-        "line 8: joint `da`: its child is above its parent, so it closes a loop",
-        "line 10: joint `ac`: its child has another joint already, so it closes a loop",
+        "line 11: joint `da`: its child is above its parent, so it closes a loop",
+        "line 13: joint `ac`: its child has another joint already, so it closes a loop",
     ] {
         assert!(robot.chain.warnings.iter().any(|own| own.starts_with(warning)), "{:?}", robot.chain.warnings);
     }
@@ -59,18 +42,7 @@ fn urdf() {
 
 #[test]
 fn mjcf() {
-    let robot = read(
-        "<mujoco><compiler angle='degree' eulerseq='XYZ'/>
-         <default><joint axis='0 1 0'/><default class='far'><joint pos='0 0 1' range='-90 90'/>
-          <geom type='capsule' size='0.1'/></default></default>
-         <worldbody><body name='a' pos='1 0 0' euler='0 0 90'><freejoint name='f'/>
-          <body name='b' pos='1 0 0' childclass='far'><joint name='j' ref='90'/><joint name='s' type='slide' axis='1 0 0'/>
-           <geom fromto='0 0 -1 0 0 3'/>
-           <frame pos='0 1 0' axisangle='0 0 1 90'><geom type='box' size='1 2 3' pos='1 0 0'/>
-            <body name='c' pos='1 0 0'><joint name='k' type='ball' range='0 30'/></body></frame>
-          </body></body></worldbody>
-         <equality><joint joint1='s' joint2='j' polycoef='0.5 0 2'/></equality></mujoco>",
-    );
+    let robot = read(include_str!("files/chain.xml"));
     let joints = &robot.chain.joints;
     assert_eq!(
         joints.iter().map(|own| own.motion).collect::<Vec<_>>(),
@@ -98,26 +70,7 @@ fn mjcf() {
 
 #[test]
 fn sdf() {
-    let robot = read(
-        "<sdf version='1.11'><world name='w'><model name='m'><pose>10 0 0 0 0 0</pose>
-         <frame name='f' attached_to='a'><pose degrees='true'>0 1 0 0 0 90</pose></frame>
-         <link name='a'><pose>0 0 1 0 0 0</pose></link>
-         <link name='b'><pose relative_to='f'>1 0 0 0 0 0</pose></link>
-         <joint name='j' type='revolute'><parent>a</parent><child>f2</child><pose>0 0 0.5 0 0 0</pose>
-          <axis><xyz expressed_in='__model__'>1 0 0</xyz><limit><lower>-1e16</lower><upper>1</upper></limit></axis></joint>
-         <frame name='f2' attached_to='b'/>
-         <model name='n'><pose>0 0 5 0 0 0</pose><link name='c'/>
-          <joint name='k' type='prismatic'><parent>world</parent><child>c</child><axis><xyz>0 0 1</xyz>
-           <mimic joint='none'/></axis></joint></model>
-         <joint name='i' type='universal'><parent>b</parent><child>n::c</child>
-          <axis><xyz>1 0 0</xyz></axis><axis2><xyz>0 1 0</xyz><mimic joint='j' axis='axis'><multiplier>2</multiplier>
-          <reference>0.5</reference><offset>1</offset></mimic></axis2></joint>
-         <joint name='bad' type='fixed'><parent>c</parent><child>zzz</child></joint>
-         <joint name='up' type='fixed'><parent>b</parent><child>a</child></joint>
-         <joint name='again' type='fixed'><parent>a</parent><child>b</child></joint>
-         <joint name='lone' type='fixed'><parent>zzz</parent><child>a</child></joint>
-         </model></world></sdf>",
-    );
+    let robot = read(include_str!("files/chain.sdf"));
     assert_near(point(&robot, "m::b", [0.0; 3], &[0.0]), [10.0, 2.0, 1.0]);
     // About x of the model, half a metre above b.
     assert_near(point(&robot, "m::b", [0.0; 3], &[FRAC_PI_2]), [10.0, 2.5, 1.5]);

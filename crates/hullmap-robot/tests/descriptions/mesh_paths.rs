@@ -1,32 +1,17 @@
 //! Which files names of meshes lead to: a table that `tests/robots/check_paths.py` tests in MuJoCo.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use hullmap_robot::{Description, Places, Unresolved, relative};
+use hullmap_robot::{Description, Unresolved, relative};
 use serde_json::Value;
 
-const TABLE: &str = include_str!("../../../tests/robots/mesh_paths.json");
+use super::{folder, read};
+
+const TABLE: &str = include_str!("../../../../tests/robots/mesh_paths.json");
 
 fn strings(values: &Value) -> BTreeMap<&str, &str> {
     values.as_object().unwrap().iter().map(|(key, value)| (key.as_str(), value.as_str().unwrap())).collect()
-}
-
-/// A folder with these files.
-fn folder<'t>(files: impl IntoIterator<Item = (&'t str, &'t str)>) -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in files {
-        let path = folder.path().join(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, text).unwrap();
-    }
-    let root = folder.path().canonicalize().unwrap();
-    (folder, root)
-}
-
-fn read(root: &Path, name: &str) -> Description {
-    let places = Places { roots: vec![root.to_owned()], ..Places::default() };
-    Description::read(&root.join(name), &places).unwrap()
 }
 
 /// Links and the files of their first meshes, relative to the folder.
@@ -51,8 +36,8 @@ fn names_lead_to_the_files_that_mujoco_opens() {
     for case in &table {
         let name = case["name"].as_str().unwrap();
         let meshes = case["meshes"].as_array().unwrap().iter().map(|mesh| (mesh.as_str().unwrap(), ""));
-        let (_guard, root) = folder(meshes.chain(strings(&case["files"])));
-        let description = read(&root, case["model"].as_str().unwrap());
+        let (_guard, root) = folder(&meshes.chain(strings(&case["files"])).collect::<Vec<_>>());
+        let description = read(&root, case["model"].as_str().unwrap()).unwrap();
         let found = mesh_files(&description, &root);
         for (body, file) in strings(&case["expected"]) {
             let own = description.links.iter().any(|link| link.name == body);
@@ -75,8 +60,8 @@ fn new_meshes_are_found_by_their_names() {
     let names = |name: &str, mesh: &str| {
         let case = table.iter().find(|case| case["name"] == name).unwrap();
         let meshes = case["meshes"].as_array().unwrap().iter().map(|mesh| (mesh.as_str().unwrap(), ""));
-        let (_guard, root) = folder(meshes.chain(strings(&case["files"])));
-        let description = read(&root, case["model"].as_str().unwrap());
+        let (_guard, root) = folder(&meshes.chain(strings(&case["files"])).collect::<Vec<_>>());
+        let description = read(&root, case["model"].as_str().unwrap()).unwrap();
         let folder = description.mesh_folder(&root).map(|folder| relative(&folder, &root).unwrap());
         (folder, description.mesh_name(&root.join(mesh), &root).unwrap())
     };
@@ -98,8 +83,8 @@ fn faults_name_their_cause() {
         )
     };
     let error = |text: &str| {
-        let (_guard, root) = folder([("a.xml", text), ("m.obj", "")]);
-        let description = read(&root, "a.xml");
+        let (_guard, root) = folder(&[("a.xml", text), ("m.obj", "")]);
+        let description = read(&root, "a.xml").unwrap();
         match description.links.iter().find_map(|link| link.meshes().next()).unwrap().file.clone() {
             Err(Unresolved::Failed(message)) => message,
             other => panic!("{other:?}"),
@@ -118,8 +103,8 @@ fn faults_name_their_cause() {
         "",
         "\n<geom type='mesh' mesh='gone'/><geom type='mesh'/>\n<geom class='none' size='1'/><body childclass='none'/><site class='other'/>",
     );
-    let (_guard, root) = folder([("a.xml", text.as_str()), ("m.obj", "")]);
-    let warnings = read(&root, "a.xml").warnings;
+    let (_guard, root) = folder(&[("a.xml", text.as_str()), ("m.obj", "")]);
+    let warnings = read(&root, "a.xml").unwrap().warnings;
     for (line, expected) in [
         (3, "no mesh `gone` is among the assets"),
         (3, "this geom names no mesh"),
@@ -135,8 +120,8 @@ fn faults_name_their_cause() {
     // A model that attaches itself, and one that is missing.
     let attach = "<mujoco><asset><model name='a' file='a.xml'/><model name='b' file='sub/b.xml'/></asset>\
                   <worldbody><attach model='a' body='x' prefix='p'/></worldbody></mujoco>";
-    let (_guard, root) = folder([("a.xml", attach), ("sub/b.xml", "<mujoco>\n<include file='c.xml'/></mujoco>")]);
-    let description = read(&root, "a.xml");
+    let (_guard, root) = folder(&[("a.xml", attach), ("sub/b.xml", "<mujoco>\n<include file='c.xml'/></mujoco>")]);
+    let description = read(&root, "a.xml").unwrap();
     assert!(description.notes[0].contains("the attached model `a` keeps its collisions"), "{:?}", description.notes);
     let [warning] = &description.warnings[..] else { panic!("{:?}", description.warnings) };
     assert!(
@@ -152,8 +137,8 @@ fn meshes_in_the_model_are_read() {
         let text = format!(
             "<mujoco><asset><mesh name='m' {attributes}/></asset><worldbody><body name='b'><geom type='mesh' mesh='m'/></body></worldbody></mujoco>"
         );
-        let (_guard, root) = folder([("a.xml", text.as_str())]);
-        read(&root, "a.xml").links[1].collisions[0].clone()
+        let (_guard, root) = folder(&[("a.xml", text.as_str())]);
+        read(&root, "a.xml").unwrap().links[1].collisions[0].clone()
     };
     let file = |attributes: &str| match mesh(attributes).geometry {
         hullmap_robot::Geometry::Mesh(mesh) => mesh.file,
