@@ -292,62 +292,14 @@ mod tests {
     use super::*;
     use crate::options::value::Value;
 
-    fn error(text: &str) -> String {
-        parse(Path::new("a/hullmap.toml"), text).unwrap_err().message
-    }
-
     #[test]
     fn faults_have_a_line_and_a_suggestion() {
-        for (text, expected) in [
-            ("[defaults]\nskip = true\n", ":2: `skip` applies to the meshes of a rule: move it below a [[rule]]"),
-            ("[[rule]]\nfiles = \"x\"\nskip = \"yes\"\n", ":3: skip: expected true or false, found string"),
-            ("[defaults]\n\nvertces = \"all\"\n", ":3: unknown key `vertces`; did you mean `vertices`?"),
-            ("[defaults]\nunit-scale = 1\n", ":2: unknown key `unit-scale`; did you mean `unit_scale`?"),
-            ("[defaults]\nrecenter = true\n", ":2: unknown key `recenter`; did you mean `recentre`?"),
-            ("[defaults]\nmax_vertex = 5\n", ":2: unknown key `max_vertex`; did you mean `max_vertices`?"),
-            ("[defaults]\nxyzzy = true\n", ":2: unknown key `xyzzy`; expected one of split, "),
-            ("[default]\nsplit = \"none\"\n", ":1: unknown table `default`; did you mean `defaults`?"),
-            ("[[rules]]\nfiles = \"x\"\n", ":1: unknown table `rules`; did you mean `rule`?"),
-            ("split = \"none\"\n", ":1: `split` is outside any table"),
-            ("[rule]\nfiles = \"x\"\n", ":1: `rule` must be a list of tables: write [[rule]]"),
-            ("[[rule]]\nfiles = \"x\"\n\n[[rule]]\nsplit = \"none\"\n", ":4: this rule has no `files`"),
-            ("[[rule]]\nfiles = []\n", ":2: `files` is empty"),
-            ("[[rule]]\nfiles = [\"x\",\n 5]\n", ":3: `files` must hold globs"),
-            ("[[rule]]\nfiles = [\"x\",\n \"a[\"]\n", ":3: invalid glob `a[`: unclosed character class"),
-            ("[defaults]\nindex = \"compakt\"\n", ":2: index = \"compakt\": expected one of tree, medium, compact, "),
-            ("[defaults]\nindex = \"compakt\"\n", "did you mean \"compact\"?"),
-            ("[defaults]\nunit_scale = \"0.01\"\n", ":2: unit_scale: expected a number, found string"),
-            ("[defaults]\nunit_scale = -1\n", ":2: unit_scale = -1: expected a finite number above 0"),
-            ("[defaults]\nunit_scale = nan\n", ":2: unit_scale = nan: expected a finite number above 0"),
-            ("[defaults]\nresolution = 5\n", ":2: `resolution`: the options index-budget and resolution were removed"),
-            ("[defaults]\nmax_error = 1\n\nmax_vertices = 5\n", ":2: max_error and max_vertices exclude each other"),
-            ("[defaults]\nmax_vertices = 3.5\n", ":2: max_vertices: expected a whole number or \"none\", found float"),
-            ("[defaults]\nsplit = \"none\"\nsplit = \"none\"\n", ":3: invalid TOML: duplicate key"),
-            ("[defaults\n", ":1: invalid TOML: "),
-            ("[defaults]\ndecompose = \"vhacd\"\n", ":2: decompose = \"vhacd\": V-HACD was removed; use "),
-            ("[defaults]\ndecompose = \"cover\"\n", ":2: decompose = \"cover\": decompose takes no method"),
-            (
-                "[defaults]\nvhacd_alpha = 0.5\n",
-                ":2: `vhacd_alpha`: V-HACD was removed; use decompose without a method",
-            ),
-            ("[defaults]\nzz = 1\naa = 2\n", ":2: unknown key `zz`"),
-            ("[defaults]\nspacing = 2\n", ":2: `spacing` applies to terrains: move it below [terrain] or a [[rule]]"),
-            ("[terrain]\nindex = \"none\"\n", ":2: `index` is no option of a height field: move it below [defaults]"),
-            ("terrain = true\n", ":1: `terrain` must be a table: write [terrain]"),
-            ("[terrain]\nspacing = [2, 0]\n", ":2: spacing = 2,0: expected one or two lengths above 0, or none"),
-            ("[terrain]\norigin = 2\n", ":2: origin: expected a list of two numbers or \"none\", found integer"),
-            ("[defaults]\noutput = \"x\"\n", ":2: `output` applies to the whole file: move it above all tables"),
-            ("output = \"\"\n", ":1: output = \"\": expected a path in the folder of this file"),
-            ("output = \"/tmp\"\n", ":1: output = \"/tmp\": expected a path in the folder of this file"),
-            ("\noutput = \"a/../../b\"\n", ":2: output = \"a/../../b\": expected a path in the folder of this file"),
-            ("output = 5\n", ":1: output: expected a path, found integer"),
-            ("sources = \"assets\"\n", ":1: `sources` must be a list of paths"),
-            ("sources = [\"a\",\n\"../b\"]\n", ":2: sources = \"../b\": expected a path in the folder of this file"),
-            ("outputs = \"x\"\n", ":1: unknown table `outputs`; did you mean `output`?"),
-            ("[terrain]\nhole_image = \"a/b.png\"\n", ":2: hole_image = \"a/b.png\": expected the name of a file"),
-        ] {
-            let message = error(text);
-            assert!(message.starts_with("a/hullmap.toml:") && message.contains(expected), "{text}: {message}");
+        let files: Vec<&str> = include_str!("faults.txt").split("=== ").skip(1).collect();
+        assert!(files.len() > 40, "{}", files.len());
+        for file in files {
+            let (expected, text) = file.split_once('\n').unwrap();
+            let message = parse(Path::new("a/hullmap.toml"), text).unwrap_err().message;
+            assert!(message.starts_with("a/hullmap.toml:") && message.contains(expected), "{file}: {message}");
         }
     }
 

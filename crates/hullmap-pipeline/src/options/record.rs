@@ -101,66 +101,27 @@ mod tests {
     use super::*;
     use crate::options::resolved::tests::options;
 
-    /// Texts of options that differ from the defaults. They decide which packs are fresh: a change
-    /// here makes all existing packs stale.
-    const RECORDS: [(&[(&str, &str)], &str); 28] = [
-        (&[], "split none, vertices referenced, index tree 8"),
-        (&[("split", "object")], "split object, vertices referenced, index tree 8"),
-        (&[("split", "auto")], "split auto, vertices referenced, index tree 8"),
-        (&[("vertices", "all")], "split none, vertices all, index tree 8"),
-        (&[("index", "medium")], "split none, vertices referenced, index tree 16"),
-        (&[("index", "compact")], "split none, vertices referenced, index tree 32"),
-        (&[("index", "binary")], "split none, vertices referenced, index binary"),
-        (&[("index", "none")], "split none, vertices referenced, index none"),
-        (&[("index", "cubemap")], "split none, vertices referenced, index cubemap 64"),
-        (&[("unit_scale", "0.0254")], "split none, vertices referenced, index tree 8, unit_scale 0.0254"),
-        (&[("unit_scale", "1.0")], "split none, vertices referenced, index tree 8"),
-        (
-            &[("unit_scale", "1e-30")],
-            "split none, vertices referenced, index tree 8, unit_scale 0.000000000000000000000000000001",
-        ),
-        (&[("up_axis", "y-to-z")], "split none, vertices referenced, index tree 8, up_axis y-to-z"),
-        (&[("up_axis", "z-to-y")], "split none, vertices referenced, index tree 8, up_axis z-to-y"),
-        (&[("recentre", "true")], "split none, vertices referenced, index tree 8, recentre true"),
-        (&[("decompose", "true")], "split none, vertices referenced, index tree 8, decompose cover"),
-        (&[("decompose", "false")], "split none, vertices referenced, index tree 8"),
-        (&[("max_parts", "7")], "split none, vertices referenced, index tree 8"),
-        (&[("max_vertices", "64")], "split none, vertices referenced, index tree 8, max_vertices 64"),
-        (&[("max_vertices", "none")], "split none, vertices referenced, index tree 8"),
-        (&[("lean", "true")], "split none, vertices referenced, index tree 8, lean true"),
-        (&[("max_error", "1e-3")], "split none, vertices referenced, index tree 8, max_error 0.001"),
-        (
-            &[("max_error", "0.5"), ("decompose", "true"), ("max_parts", "2")],
-            "split none, vertices referenced, index tree 8, decompose cover, max_error 0.5, max_parts 2",
-        ),
-        (
-            &[("up_axis", "y-to-z"), ("recentre", "true"), ("unit_scale", "2"), ("index", "none"), ("split", "auto")],
-            "split auto, vertices referenced, index none, unit_scale 2, up_axis y-to-z, recentre true",
-        ),
-        (&[("keep_triangles", "true")], "split none, vertices referenced, index none, keep_triangles true"),
-        (
-            &[("keep_triangles", "true"), ("unit_scale", "2")],
-            "split none, vertices referenced, index none, unit_scale 2, keep_triangles true",
-        ),
-        (&[("terrain", "true")], "split none, vertices referenced, index none, terrain true"),
-        (
-            &[("terrain", "true"), ("spacing", "0.5"), ("origin", "1e3,-2"), ("hole", "-3.4e38"), ("rows", "9")],
-            "split none, vertices referenced, index none, terrain true, spacing 0.5,0.5, origin 1000,-2, \
-             hole -340000000000000000000000000000000000000, rows 9",
-        ),
-    ];
+    /// Options and their record, from rows such as `split=auto lean=true | split auto, …`. The records
+    /// decide which packs are fresh: a change of the rows makes all existing packs stale.
+    fn records() -> Vec<(BuildOptions, &'static str)> {
+        let row = |row: &'static str| {
+            let (pairs, record) = row.split_once(" | ").unwrap();
+            let pairs: Vec<_> = pairs.split_whitespace().filter_map(|pair| pair.split_once('=')).collect();
+            (options(&pairs), record)
+        };
+        include_str!("records.txt").lines().map(row).collect()
+    }
 
     #[test]
     fn records_never_change() {
-        for (pairs, text) in RECORDS {
-            assert_eq!(options(pairs).to_string(), text, "{pairs:?}");
+        for (options, record) in records() {
+            assert_eq!(options.to_string(), record);
         }
     }
 
     #[test]
     fn records_round_trip() {
-        for (pairs, text) in RECORDS {
-            let options = options(pairs);
+        for (options, text) in records() {
             assert_eq!(BuildOptions::from_recorded(text), Some(options.clone()), "{text}");
             let words = BuildOptions::recorded_in_words(text);
             assert_eq!(BuildOptions::from_recorded(&words), Some(options), "{words}");

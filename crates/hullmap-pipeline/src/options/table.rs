@@ -118,298 +118,165 @@ const MIN_VERTICES: u32 = 4;
 /// Every option, in the order of a pack's record. **This order and the defaults never change**:
 /// records would change, and with them the hashes by which packs are found fresh.
 pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
-    BuildOption {
-        key: "split",
-        syntax: Words(&["none", "object", "auto"]),
-        default: "none",
-        value_name: "UNIT",
-        help: "One hull per file (none), object, or collision part (auto)",
-        section: Section::Mesh,
-        record: Record::Always,
-        ..OPTION
-    },
-    BuildOption {
-        key: "vertices",
-        syntax: Words(&["referenced", "all"]),
-        default: "referenced",
-        value_name: "referenced|all",
-        help: "Use the vertices that elements reference, or all vertices",
-        section: Section::Mesh,
-        is_advanced: true,
-        record: Record::Always,
-        ..OPTION
-    },
-    BuildOption {
-        key: "index",
-        syntax: Words(&["tree", "medium", "compact", "binary", "cubemap", "none"]),
-        default: "tree",
-        value_name: "tree|medium|compact|binary|cubemap|none",
-        help: "Direction index; medium and compact are smaller than tree",
-        section: Section::Index,
-        is_advanced: true,
-        record: Record::Always,
-        ..OPTION
-    },
-    BuildOption {
-        key: "unit_scale",
-        syntax: Positive,
-        default: "1",
-        value_name: "F",
-        help: "Multiply coordinates by F; 0.01 turns centimetres into metres",
-        section: Section::Mesh,
-        scope: Scope::Meshes,
-        ..OPTION
-    },
-    BuildOption {
-        key: "up_axis",
-        syntax: Words(&["keep", "y-to-z", "z-to-y"]),
-        default: "keep",
-        value_name: "TURN",
-        help: "Rotate: keep, y-to-z (y-up becomes z-up) or z-to-y",
-        section: Section::Mesh,
-        scope: Scope::Meshes,
-        ..OPTION
-    },
-    BuildOption {
-        key: "recentre",
-        syntax: Switch,
-        default: "false",
-        value_name: "BOOL",
-        help: "Move the origin to the centre of the bounds, for meshes far from the origin",
-        section: Section::Mesh,
-        is_advanced: true,
-        ..OPTION
-    },
-    BuildOption {
-        key: "decompose",
-        syntax: Switch,
-        default: "false",
-        value_name: "BOOL",
-        help: "Decompose concave meshes into convex parts",
-        section: Section::Parts,
-        ..OPTION
-    },
-    BuildOption {
-        key: "max_vertices",
-        syntax: CountOrNone { min: MIN_VERTICES },
-        default: "none",
-        value_name: "N",
-        help: "Maximum number of vertices of a hull (default all) or part (default 64)",
-        section: Section::Parts,
-        group: Group::Limit,
-        ..OPTION
-    },
-    BuildOption {
-        key: "max_error",
-        syntax: LengthOrNone,
-        default: "none",
-        value_name: "E|E%",
-        help: "Maximum protrusion of a hull (default exact) or part (default 2%). A length (2mm is 0.002 units of the mesh), or a share of the diagonal such as 1%",
-        section: Section::Parts,
-        group: Group::Limit,
-        ..OPTION
-    },
-    BuildOption {
-        key: "pack_names",
-        syntax: Words(&["auto", "stem", "full"]),
-        default: "auto",
-        value_name: "auto|stem|full",
-        help: "Names of packs: x (stem), x.obj (full), or full on a clash (auto)",
-        section: Section::Files,
-        is_advanced: true,
-        record: Record::Never,
-        scope: Scope::All,
-        ..OPTION
-    },
-    BuildOption {
-        key: "max_parts",
-        syntax: CountOrNone { min: 1 },
-        default: "none",
-        value_name: "N",
-        help: "Maximum number of parts; the search then looks for the smallest error",
-        section: Section::Parts,
-        scope: Scope::Parts,
-        ..OPTION
-    },
-    BuildOption {
-        key: "solid",
-        syntax: Words(&["auto", "closed", "walls"]),
-        default: "auto",
-        value_name: "RULE",
-        help: "Solid of an open mesh: closed (its inside), walls (openings stay open), or auto, which decides by the sizes of walls and holes",
-        section: Section::Parts,
-        scope: Scope::Parts,
-        ..OPTION
-    },
-    BuildOption {
-        key: "wall",
-        syntax: LengthOrNone,
-        default: "0.5%",
-        value_name: "T|T%",
-        help: "Thickness of the parts of walls: a length, or a share of the mesh's diagonal; at most half of the maximum error",
-        section: Section::Parts,
-        is_advanced: true,
-        scope: Scope::Parts,
-        ..OPTION
-    },
-    BuildOption {
-        key: "decompose_seconds",
-        syntax: PositiveOrNone,
-        default: "none",
-        value_name: "S",
-        help: "Find and measure the parts of a mesh within S seconds; the error may then exceed the limit, and packs may differ from run to run",
-        section: Section::Parts,
-        is_advanced: true,
-        scope: Scope::Parts,
-        ..OPTION
-    },
-    BuildOption {
-        key: "record_source",
-        syntax: Words(&["relative", "name", "none"]),
-        default: "relative",
-        value_name: "relative|name|none",
-        help: "Path of the mesh in the record of a pack: relative to the pack (if both lie below the folder where bake starts), only its name, or nothing",
-        section: Section::Files,
-        is_advanced: true,
-        record: Record::Never,
-        scope: Scope::All,
-        ..OPTION
-    },
-    BuildOption {
-        key: "lean",
-        syntax: Switch,
-        default: "false",
-        value_name: "BOOL",
-        help: "Leave out data that only manifolds, hints and walks over the surface need; packs have less than half the size",
-        section: Section::Files,
-        is_advanced: true,
-        ..OPTION
-    },
-    BuildOption {
-        key: "for_engine",
-        syntax: Words(&crate::budget::NAMES),
-        default: "none",
-        value_name: "ENGINE",
-        help: "Meet the limits of an engine. One of physx, physx-gpu, jolt, box3d, unity, unreal, newton or mujoco-warp",
-        section: Section::Parts,
-        ..OPTION
-    },
-    BuildOption {
-        key: "primitives",
-        syntax: Switch,
-        default: "false",
-        value_name: "BOOL",
-        help: "Record a box, sphere, capsule or cylinder for each part that it can replace within both bounds, and export it instead of the hull",
-        section: Section::Parts,
-        is_advanced: true,
-        scope: Scope::Parts,
-        ..OPTION
-    },
-    BuildOption {
-        key: "keep_triangles",
-        syntax: Switch,
-        default: "false",
-        value_name: "BOOL",
-        help: "Keep all triangles, as a static mesh (.hullmesh) instead of hulls",
-        section: Section::Mesh,
-        group: Group::Content,
-        scope: Scope::Meshes,
-        ..OPTION
-    },
-    BuildOption {
-        key: "terrain",
-        default: "false",
-        value_name: "BOOL",
-        help: "Bake grids of heights (.asc, .png, .f32) as height fields",
-        section: Section::Mesh,
-        group: Group::Content,
-        scope: Scope::All,
-        ..OPTION
-    },
-    BuildOption {
-        key: "spacing",
-        syntax: SpacingOrNone,
-        value_name: "X[,Y]",
-        help: "Distance between vertices; PNG and raw files require it",
-        ..TERRAIN
-    },
-    BuildOption {
-        key: "height_scale",
-        syntax: FiniteOrNone,
-        value_name: "S",
-        help: "Height of white above black, which PNG requires, or a factor",
-        ..TERRAIN
-    },
-    BuildOption {
-        key: "height_offset",
-        syntax: Finite,
-        default: "0",
-        value_name: "O",
-        help: "Height of a sample of 0",
-        ..TERRAIN
-    },
-    BuildOption {
-        key: "origin",
-        syntax: PairOrNone,
-        value_name: "X,Y",
-        help: "First vertex; default: stated in the file, or such that the field is centred at 0 0",
-        ..TERRAIN
-    },
-    BuildOption {
-        key: "hole",
-        syntax: HoleOrNone,
-        value_name: "V",
-        help: "Sample that means no ground, compared as samples are stored",
-        ..TERRAIN
-    },
-    BuildOption {
-        key: "hole_image",
-        syntax: NameOrNone,
-        value_name: "NAME",
-        help: "PNG beside the source in which black pixels are holes",
-        ..TERRAIN
-    },
-    BuildOption {
-        key: "rows",
-        syntax: CountOrNone { min: 2 },
-        value_name: "N",
-        help: "Number of rows of raw numbers; the first has the least y",
-        ..TERRAIN
-    },
-    BuildOption {
-        key: "columns",
-        syntax: CountOrNone { min: 2 },
-        value_name: "N",
-        help: "Number of columns of raw numbers",
-        ..TERRAIN
-    },
-    BuildOption {
-        key: "diagonal",
-        syntax: Words(&["rising", "falling"]),
-        default: "rising",
-        value_name: "rising|falling",
-        help: "Diagonal that divides each cell",
-        ..TERRAIN
-    },
+    option("split", Words(&["none", "object", "auto"]), "none", "UNIT", Section::Mesh)
+        .help("One hull per file (none), object, or collision part (auto)")
+        .recorded(Record::Always),
+    option("vertices", Words(&["referenced", "all"]), "referenced", "referenced|all", Section::Mesh)
+        .help("Use the vertices that elements reference, or all vertices")
+        .advanced()
+        .recorded(Record::Always),
+    option(
+        "index",
+        Words(&["tree", "medium", "compact", "binary", "cubemap", "none"]),
+        "tree",
+        "tree|medium|compact|binary|cubemap|none",
+        Section::Index,
+    )
+    .help("Direction index; medium and compact are smaller than tree")
+    .advanced()
+    .recorded(Record::Always),
+    option("unit_scale", Positive, "1", "F", Section::Mesh)
+        .help("Multiply coordinates by F; 0.01 turns centimetres into metres")
+        .within(Scope::Meshes),
+    option("up_axis", Words(&["keep", "y-to-z", "z-to-y"]), "keep", "TURN", Section::Mesh)
+        .help("Rotate: keep, y-to-z (y-up becomes z-up) or z-to-y")
+        .within(Scope::Meshes),
+    option("recentre", Switch, "false", "BOOL", Section::Mesh)
+        .help("Move the origin to the centre of the bounds, for meshes far from the origin")
+        .advanced(),
+    option("decompose", Switch, "false", "BOOL", Section::Parts).help("Decompose concave meshes into convex parts"),
+    option("max_vertices", CountOrNone { min: MIN_VERTICES }, "none", "N", Section::Parts)
+        .help("Maximum number of vertices of a hull (default all) or part (default 64)")
+        .grouped(Group::Limit),
+    option("max_error", LengthOrNone, "none", "E|E%", Section::Parts)
+        .help(
+            "Maximum protrusion of a hull (default exact) or part (default 2%). A length (2mm is 0.002 units of \
+                 the mesh), or a share of the diagonal such as 1%",
+        )
+        .grouped(Group::Limit),
+    option("pack_names", Words(&["auto", "stem", "full"]), "auto", "auto|stem|full", Section::Files)
+        .help("Names of packs: x (stem), x.obj (full), or full on a clash (auto)")
+        .advanced()
+        .recorded(Record::Never)
+        .within(Scope::All),
+    option("max_parts", CountOrNone { min: 1 }, "none", "N", Section::Parts)
+        .help("Maximum number of parts; the search then looks for the smallest error")
+        .within(Scope::Parts),
+    option("solid", Words(&["auto", "closed", "walls"]), "auto", "RULE", Section::Parts)
+        .help(
+            "Solid of an open mesh: closed (its inside), walls (openings stay open), or auto, which decides by \
+                 the sizes of walls and holes",
+        )
+        .within(Scope::Parts),
+    option("wall", LengthOrNone, "0.5%", "T|T%", Section::Parts)
+        .help(
+            "Thickness of the parts of walls: a length, or a share of the mesh's diagonal; at most half of the \
+                 maximum error",
+        )
+        .advanced()
+        .within(Scope::Parts),
+    option("decompose_seconds", PositiveOrNone, "none", "S", Section::Parts)
+        .help(
+            "Find and measure the parts of a mesh within S seconds; the error may then exceed the limit, and \
+                 packs may differ from run to run",
+        )
+        .advanced()
+        .within(Scope::Parts),
+    option("record_source", Words(&["relative", "name", "none"]), "relative", "relative|name|none", Section::Files)
+        .help(
+            "Path of the mesh in the record of a pack: relative to the pack (if both lie below the folder where \
+                 bake starts), only its name, or nothing",
+        )
+        .advanced()
+        .recorded(Record::Never)
+        .within(Scope::All),
+    option("lean", Switch, "false", "BOOL", Section::Files)
+        .help(
+            "Leave out data that only manifolds, hints and walks over the surface need; packs have less than \
+                 half the size",
+        )
+        .advanced(),
+    option("for_engine", Words(&crate::budget::NAMES), "none", "ENGINE", Section::Parts).help(
+        "Meet the limits of an engine. One of physx, physx-gpu, jolt, box3d, unity, unreal, newton or \
+                 mujoco-warp",
+    ),
+    option("primitives", Switch, "false", "BOOL", Section::Parts)
+        .help(
+            "Record a box, sphere, capsule or cylinder for each part that it can replace within both bounds, and \
+                 export it instead of the hull",
+        )
+        .advanced()
+        .within(Scope::Parts),
+    option("keep_triangles", Switch, "false", "BOOL", Section::Mesh)
+        .help("Keep all triangles, as a static mesh (.hullmesh) instead of hulls")
+        .grouped(Group::Content)
+        .within(Scope::Meshes),
+    option("terrain", Switch, "false", "BOOL", Section::Mesh)
+        .help("Bake grids of heights (.asc, .png, .f32) as height fields")
+        .grouped(Group::Content)
+        .within(Scope::All),
+    terrain_option("spacing", SpacingOrNone, "none", "X[,Y]")
+        .help("Distance between vertices; PNG and raw files require it"),
+    terrain_option("height_scale", FiniteOrNone, "none", "S")
+        .help("Height of white above black, which PNG requires, or a factor"),
+    terrain_option("height_offset", Finite, "0", "O").help("Height of a sample of 0"),
+    terrain_option("origin", PairOrNone, "none", "X,Y")
+        .help("First vertex; default: stated in the file, or such that the field is centred at 0 0"),
+    terrain_option("hole", HoleOrNone, "none", "V").help("Sample that means no ground, compared as samples are stored"),
+    terrain_option("hole_image", NameOrNone, "none", "NAME")
+        .help("PNG beside the source in which black pixels are holes"),
+    terrain_option("rows", CountOrNone { min: 2 }, "none", "N")
+        .help("Number of rows of raw numbers; the first has the least y"),
+    terrain_option("columns", CountOrNone { min: 2 }, "none", "N").help("Number of columns of raw numbers"),
+    terrain_option("diagonal", Words(&["rising", "falling"]), "rising", "rising|falling")
+        .help("Diagonal that divides each cell"),
 ];
 
 pub const OPTION_COUNT: usize = 29;
 
-const OPTION: BuildOption = BuildOption {
-    key: "",
-    syntax: Switch,
-    default: "false",
-    value_name: "",
-    help: "",
-    section: Section::Parts,
-    is_advanced: false,
-    group: Group::Single,
-    scope: Scope::Hulls,
-    record: Record::IfChanged,
-};
+/// An option of packs, which is recorded if it differs from its default.
+const fn option(
+    key: &'static str,
+    syntax: Syntax,
+    default: &'static str,
+    value_name: &'static str,
+    section: Section,
+) -> BuildOption {
+    let (help, is_advanced, group) = ("", false, Group::Single);
+    let (scope, record) = (Scope::Hulls, Record::IfChanged);
+    BuildOption { key, syntax, default, value_name, help, section, is_advanced, group, scope, record }
+}
 
-const TERRAIN: BuildOption =
-    BuildOption { default: "none", section: Section::Terrain, is_advanced: true, scope: Scope::Terrains, ..OPTION };
+const fn terrain_option(
+    key: &'static str,
+    syntax: Syntax,
+    default: &'static str,
+    value_name: &'static str,
+) -> BuildOption {
+    option(key, syntax, default, value_name, Section::Terrain).advanced().within(Scope::Terrains)
+}
+
+impl BuildOption {
+    const fn help(self, help: &'static str) -> Self {
+        Self { help, ..self }
+    }
+
+    const fn advanced(self) -> Self {
+        Self { is_advanced: true, ..self }
+    }
+
+    const fn recorded(self, record: Record) -> Self {
+        Self { record, ..self }
+    }
+
+    const fn grouped(self, group: Group) -> Self {
+        Self { group, ..self }
+    }
+
+    const fn within(self, scope: Scope) -> Self {
+        Self { scope, ..self }
+    }
+}
 
 pub fn position(key: &str) -> Option<usize> {
     OPTIONS.iter().position(|option| option.key == key)
