@@ -30,6 +30,13 @@ pub struct LineFault {
     pub fault: Fault,
 }
 
+impl LineFault {
+    /// A fault of the whole file. The text states the finding, the expectation, and the remedy.
+    pub fn of_file(text: impl Into<String>) -> Self {
+        Fault::format(text).of_file()
+    }
+}
+
 /// Fault of a source file.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum Fault {

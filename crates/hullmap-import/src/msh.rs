@@ -4,40 +4,45 @@
 //! # Reference
 //! <https://mujoco.readthedocs.io/en/stable/XMLreference.html#asset-mesh>
 
-use crate::fault::{Fault, LineFault};
+use crate::fault::LineFault;
 use crate::mesh::{Polygons, Positions, SourceMesh};
 
 const HEADER: usize = 16;
 
 pub fn read(bytes: &[u8]) -> Result<SourceMesh, LineFault> {
     if bytes.trim_ascii_start().starts_with(b"$MeshFormat") {
-        return Err(fault("the file is a Gmsh mesh, not MuJoCo's MSH: export it as STL"));
+        return Err(LineFault::of_file("the file is a Gmsh mesh, not MuJoCo's MSH: export it as STL"));
     }
     let (Some(header), Some(body)) = (bytes.get(..HEADER), bytes.get(HEADER..)) else {
-        return Err(fault("the file has less than 16 bytes; expected the four counts of an MSH file: export it again"));
+        return Err(LineFault::of_file(
+            "the file has less than 16 bytes; expected the four counts of an MSH file: export it again",
+        ));
     };
     let mut counts = [0_u64; 4];
     for (count, word) in counts.iter_mut().zip(header.as_chunks::<4>().0) {
-        *count = u64::try_from(i32::from_le_bytes(*word))
-            .map_err(|_| fault("a count in the header is negative: this is not an MSH file, or it is damaged"))?;
+        *count = u64::try_from(i32::from_le_bytes(*word)).map_err(|_| {
+            LineFault::of_file("a count in the header is negative: this is not an MSH file, or it is damaged")
+        })?;
     }
     let [vertices, normals, coordinates, faces] = counts;
     let expected = 12 * vertices + 12 * normals + 8 * coordinates + 12 * faces;
     if body.len() as u64 != expected {
-        return Err(fault(format!(
+        return Err(LineFault::of_file(format!(
             "the header states {expected} bytes of data, but there are {}: the file was cut off, or is not an MSH file",
             body.len()
         )));
     }
     if vertices == 0 {
-        return Err(fault("the file has no vertices, but a hull requires at least one point: export it again"));
+        return Err(LineFault::of_file(
+            "the file has no vertices, but a hull requires at least one point: export it again",
+        ));
     }
     let (words, _) = body.as_chunks::<4>();
     let floats = words.get(..3 * vertices as usize).unwrap_or_default();
     let triples = floats.as_chunks::<3>().0;
     let positions: Vec<[f32; 3]> = triples.iter().map(|triple| triple.map(f32::from_le_bytes)).collect();
     if let Some(vertex) = positions.iter().position(|position| !position.iter().all(|x| x.is_finite())) {
-        return Err(fault(format!(
+        return Err(LineFault::of_file(format!(
             "vertex {vertex} is not finite, but a hull requires finite points: repair the mesh in its editor"
         )));
     }
@@ -46,17 +51,13 @@ pub fn read(bytes: &[u8]) -> Result<SourceMesh, LineFault> {
     for (face, corners) in words.get(start..).unwrap_or_default().as_chunks::<3>().0.iter().enumerate() {
         let corners = corners.map(u32::from_le_bytes);
         if corners.iter().any(|corner| u64::from(*corner) >= vertices) {
-            return Err(fault(format!(
+            return Err(LineFault::of_file(format!(
                 "face {face} has an index out of range (the file has {vertices} vertices): export it again"
             )));
         }
         polygons.push(&corners);
     }
     Ok(SourceMesh::new(Positions::Single(positions), polygons))
-}
-
-fn fault(text: impl Into<String>) -> LineFault {
-    Fault::format(text).of_file()
 }
 
 #[cfg(test)]

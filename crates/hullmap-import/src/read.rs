@@ -88,7 +88,7 @@ pub(crate) fn read_beside(
         let other = read_bounded(&folder.join(&name), &mut left).map_err(|error| match error.kind() {
             ErrorKind::NotFound => {
                 let text = format!("{kind} {name} cannot be read: {error}; restore it beside the file");
-                fault(Fault::format(text).of_file())
+                fault(LineFault::of_file(text))
             }
             error_kind => ReadError::Io(std::io::Error::new(error_kind, format!("{kind} {name}: {error}"))),
         })?;

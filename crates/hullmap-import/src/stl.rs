@@ -34,7 +34,7 @@ const TEXT_PROBE: usize = 4096;
 /// file, or its triangle in a binary file.
 pub fn read(bytes: &[u8], is_double: bool, limits: &Limits) -> Result<SourceMesh, LineFault> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
-        return Err(Fault::format("the file is empty; expected an STL file: export it again").of_file());
+        return Err(LineFault::of_file("the file is empty; expected an STL file: export it again"));
     }
     let claimed = triangle_count(bytes);
     let expected = claimed.map(binary_length);
@@ -42,19 +42,17 @@ pub fn read(bytes: &[u8], is_double: bool, limits: &Limits) -> Result<SourceMesh
         return if is_double { read_text::<f64>(bytes, limits) } else { read_text::<f32>(bytes, limits) };
     }
     let Some((triangle_count, expected)) = claimed.zip(expected) else {
-        return Err(Fault::format(format!(
+        return Err(LineFault::of_file(format!(
             "the file has {}; expected STL text, which starts with `solid`, or a binary file of at least {HEADER} bytes: export it again",
             counted(bytes.len(), "byte", "bytes")
-        ))
-        .of_file());
+        )));
     };
     let Some(triangles) = usize::try_from(expected).ok().and_then(|end| bytes.get(HEADER..end)) else {
-        return Err(Fault::format(format!(
+        return Err(LineFault::of_file(format!(
             "the header claims {} ({expected} bytes), but the file has {} bytes: it was cut off or is not STL; export it again",
             counted(triangle_count, "triangle", "triangles"),
             bytes.len()
-        ))
-        .of_file());
+        )));
     };
     let mut mesh = read_binary(triangles)?;
     if bytes.len() as u64 > expected {
@@ -160,10 +158,9 @@ fn read_binary(triangles: &[u8]) -> Result<SourceMesh, LineFault> {
             };
             let position = [at(0), at(1), at(2)];
             if let Some(wrong) = position.iter().find(|x| !x.is_finite()) {
-                return Err(Fault::format(format!(
+                return Err(LineFault::of_file(format!(
                     "corner {corner} of triangle {index} has the coordinate {wrong}, but a hull requires finite points: repair the mesh in its editor"
-                ))
-                .of_file());
+                )));
             }
             faces.corners.push(merger.index(position).map_err(Fault::of_file)?);
         }
@@ -176,8 +173,7 @@ fn read_binary(triangles: &[u8]) -> Result<SourceMesh, LineFault> {
 }
 
 fn no_triangles() -> LineFault {
-    Fault::format("no triangles found, but a hull requires at least one point: check that the export finished")
-        .of_file()
+    LineFault::of_file("no triangles found, but a hull requires at least one point: check that the export finished")
 }
 
 fn read_text<T: MergeKey>(bytes: &[u8], limits: &Limits) -> Result<SourceMesh, LineFault> {

@@ -51,8 +51,8 @@ impl Description {
     /// An index of a change is out of range, or a shape is changed twice.
     pub fn changed(&self, changes: &[Change]) -> Result<Vec<Vec<u8>>, RobotError> {
         let edits = match self.format {
-            Format::Urdf => vec![urdf::edits(&self.documents[0], &self.links, changes)?],
-            Format::Sdf => vec![sdf::edits(&self.documents[0], &self.links, changes)?],
+            Format::Urdf => vec![urdf::DIALECT.edits(&self.documents[0], &self.links, changes)?],
+            Format::Sdf => vec![sdf::DIALECT.edits(&self.documents[0], &self.links, changes)?],
             Format::Mjcf => mjcf::edits(self, changes)?,
         };
         let apply = |(document, edits): (&Document, Vec<Edit>)| document.edited(edits);

@@ -50,6 +50,7 @@ mod error;
 mod formats;
 mod frame;
 mod lenient;
+mod link_edits;
 mod links;
 mod mjcf;
 mod places;

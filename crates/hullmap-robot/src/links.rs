@@ -10,6 +10,7 @@ use crate::description::{
     Contacts, Description, Format, Geometry, Link, MeshNames, MeshUse, Reference, Shape, Submesh, mesh_use, packages_of,
 };
 use crate::document::Document;
+use crate::edit::Edit;
 use crate::element::{child, children};
 use crate::error::RobotError;
 use crate::frame::Frame;
@@ -17,6 +18,8 @@ use crate::places::Unresolved;
 use crate::primitive::{NamedPrimitive, Primitive};
 
 pub(crate) type Find<'f> = dyn Fn(&str) -> Result<PathBuf, Unresolved> + 'f;
+
+pub(crate) type OfInertial = fn(Node, &str, [f64; 3], [[f64; 3]; 3]) -> Vec<Edit>;
 
 pub(crate) struct Dialect {
     pub(crate) format: Format,
@@ -31,6 +34,14 @@ pub(crate) struct Dialect {
     /// The numbers of an attribute or element of a primitive; empty if it is missing.
     pub(crate) sizes: fn(Node, &str) -> Vec<f64>,
     pub(crate) mass: fn(Node) -> Option<f64>,
+    /// Whether each collision needs a name that no other collision of its link has.
+    pub(crate) needs_names: bool,
+    /// Elements of a visual that a collision must not have.
+    pub(crate) only_visual: &'static [&'static str],
+    /// Edits of a shape that give it another mesh.
+    pub(crate) with_mesh: fn(Node, &str, &str) -> Vec<Edit>,
+    /// Edits of an `inertial`: the centre of mass, and the tensor about it in the axes of the link.
+    pub(crate) of_inertial: OfInertial,
 }
 
 impl Dialect {

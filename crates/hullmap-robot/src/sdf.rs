@@ -6,20 +6,20 @@
 mod joints;
 mod pose;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use roxmltree::Node;
 
-use crate::description::{Change, Description, Format, Link, Reference, Submesh, Unread, numbers, reference};
+use crate::description::{Description, Format, Reference, Submesh, Unread, numbers, reference};
 use crate::document::Document;
-use crate::edit::{Edit, edited};
-use crate::element::{child, escaped, lead, removed, rename, set, unique, without};
+use crate::edit::Edit;
+use crate::element::{child, escaped, lead, removed, without};
 use crate::error::RobotError;
 use crate::links::Dialect;
 use crate::places::{Places, folder_of};
 
-const DIALECT: Dialect = Dialect {
+pub(crate) const DIALECT: Dialect = Dialect {
     format: Format::Sdf,
     primitives: &["box", "cylinder", "sphere", "capsule", "ellipsoid", "cone"],
     link_name: qualified,
@@ -28,10 +28,11 @@ const DIALECT: Dialect = Dialect {
     pose: pose::in_link,
     sizes: |node, name| child(node, name).and_then(|size| numbers(size.text()?)).unwrap_or_default(),
     mass,
+    needs_names: true,
+    only_visual: &["material", "transparency", "cast_shadows", "visibility_flags", "lighting", "meta", "plugin"],
+    with_mesh,
+    of_inertial,
 };
-
-const ONLY_VISUAL: [&str; 7] =
-    ["material", "transparency", "cast_shadows", "visibility_flags", "lighting", "meta", "plugin"];
 
 const FILES: [&str; 5] = ["uri", "script", "albedo_map", "normal_map", "filename"];
 
@@ -92,59 +93,6 @@ fn mass(link: Node) -> Option<f64> {
     mass.trim().parse().ok().filter(|mass: &f64| *mass > 0.0 && mass.is_finite())
 }
 
-pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> Result<Vec<Edit>, RobotError> {
-    let tree = document.parse()?;
-    let nodes: BTreeMap<usize, Node> =
-        tree.descendants().filter(Node::is_element).map(|node| (node.range().start, node)).collect();
-    let text = document.text();
-    let mut edits = Vec::new();
-    // Names of collisions are unique in a link.
-    let mut names: BTreeMap<&str, BTreeSet<String>> = BTreeMap::new();
-    for change in changes {
-        let Some((link, shape, meshes)) = change.parts(links) else {
-            if let Change::Inertia { link, center, inertia } = change {
-                let inertial = nodes.get(&links[*link].at).and_then(|link| child(*link, "inertial"));
-                edits.extend(inertial.into_iter().flat_map(|node| of_inertial(node, text, *center, *inertia)));
-            }
-            continue;
-        };
-        let node = nodes[&shape.at];
-        let names =
-            names.entry(&link.name).or_insert_with(|| link.collisions.iter().map(|shape| shape.name.clone()).collect());
-        match change {
-            Change::Remove { .. } => edits.push(removed(node, text)),
-            Change::Inertia { .. } | Change::Exclude { .. } => {}
-            Change::Replace { .. } => {
-                let Some((first, others)) = meshes.and_then(<[String]>::split_first) else { continue };
-                edits.extend(renamed(node, text, first));
-                for (index, mesh) in (1..).zip(others) {
-                    let mut own = renamed(node, text, mesh);
-                    let name = format!("{}_part_{index:02}", shape.name);
-                    own.push(set(node, text, "name", &unique(&name, names)));
-                    let copy = text[lead(node, text)].to_owned() + &edited(text, node.range(), own);
-                    edits.push(Edit::insert(node.range().end, copy));
-                }
-            }
-            Change::FromVisual { .. } => {
-                let last = link.visuals.last().map_or(shape.at, |last| last.at);
-                let at = nodes[&last].range().end;
-                let count = meshes.map_or(1, <[String]>::len);
-                for index in 0..count {
-                    let mut own = rename(node, text, "collision");
-                    let only_visual = node.children().filter(|child| ONLY_VISUAL.contains(&child.tag_name().name()));
-                    own.extend(only_visual.map(|child| removed(child, text)));
-                    let mesh = meshes.and_then(|meshes| meshes.get(index));
-                    own.extend(mesh.into_iter().flat_map(|mesh| renamed(node, text, mesh)));
-                    let name = if count == 1 { shape.name.clone() } else { format!("{}_part_{index:02}", shape.name) };
-                    own.push(set(node, text, "name", &unique(&name, names)));
-                    edits.push(Edit::insert(at, text[lead(node, text)].to_owned() + &edited(text, node.range(), own)));
-                }
-            }
-        }
-    }
-    Ok(edits)
-}
-
 /// Edits of an `inertial`: its pose is the centre of mass, with the axes of the link.
 fn of_inertial(node: Node, text: &str, [x, y, z]: [f64; 3], tensor: [[f64; 3]; 3]) -> Vec<Edit> {
     let [[xx, xy, xz], [_, yy, yz], [.., zz]] = tensor;
@@ -165,7 +113,7 @@ fn of_inertial(node: Node, text: &str, [x, y, z]: [f64; 3], tensor: [[f64; 3]; 3
 }
 
 /// Nothing that divides meshes applies to the new one, which is a whole file and convex.
-fn renamed(node: Node, text: &str, name: &str) -> Vec<Edit> {
+fn with_mesh(node: Node, text: &str, name: &str) -> Vec<Edit> {
     let mut edits: Vec<Edit> = uri_of(node).map(|span| Edit::replace(span, escaped(name))).into_iter().collect();
     if let Some(mesh) = child(node, "geometry").and_then(|geometry| child(geometry, "mesh")) {
         let divisions = ["submesh", "convex_decomposition"].into_iter().filter_map(|name| child(mesh, name));

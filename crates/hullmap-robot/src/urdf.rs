@@ -6,21 +6,21 @@
 mod joints;
 mod origin;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use roxmltree::Node;
 
-use crate::description::{Change, Description, Format, Link, Reference, numbers, reference};
+use crate::description::{Description, Format, Link, Reference, numbers, reference};
 use crate::document::Document;
-use crate::edit::{Edit, edited};
-use crate::element::{child, children, lead, removed, rename, set, unique};
+use crate::edit::Edit;
+use crate::element::{child, children, lead, set};
 use crate::error::RobotError;
 use crate::links::Dialect;
 use crate::mjcf::compiler::{Compiler, Start};
 use crate::places::{Places, Unresolved, folder_of};
 
-const DIALECT: Dialect = Dialect {
+pub(crate) const DIALECT: Dialect = Dialect {
     format: Format::Urdf,
     primitives: &["box", "cylinder", "sphere", "capsule"],
     link_name: |_, name| name.to_owned(),
@@ -29,6 +29,10 @@ const DIALECT: Dialect = Dialect {
     pose: origin::pose,
     sizes: |node, name| node.attribute(name).and_then(numbers).unwrap_or_default(),
     mass,
+    needs_names: false,
+    only_visual: &["material"],
+    with_mesh,
+    of_inertial,
 };
 
 pub(crate) fn read(document: Document, places: &Places) -> Result<Description, RobotError> {
@@ -119,46 +123,6 @@ impl MeshFiles<'_> {
     }
 }
 
-pub(crate) fn edits(document: &Document, links: &[Link], changes: &[Change]) -> Result<Vec<Edit>, RobotError> {
-    let tree = document.parse()?;
-    let nodes: BTreeMap<usize, Node> =
-        tree.descendants().filter(Node::is_element).map(|node| (node.range().start, node)).collect();
-    let text = document.text();
-    let mut edits = Vec::new();
-    for change in changes {
-        let Some((link, shape, meshes)) = change.parts(links) else {
-            if let Change::Inertia { link, center, inertia } = change {
-                let inertial = nodes.get(&links[*link].at).and_then(|link| child(*link, "inertial"));
-                edits.extend(inertial.into_iter().flat_map(|node| of_inertial(node, text, *center, *inertia)));
-            }
-            continue;
-        };
-        let node = nodes[&shape.at];
-        let mut names: BTreeSet<String> = link.collisions.iter().map(|shape| shape.name.clone()).collect();
-        match change {
-            Change::Remove { .. } => edits.push(removed(node, text)),
-            Change::Inertia { .. } | Change::Exclude { .. } => {}
-            Change::Replace { .. } => {
-                let copy = |index: usize, mesh: &String| part(node, text, mesh, Some(index), &mut names);
-                edits.extend(replace(node, text, meshes.unwrap_or_default(), copy));
-            }
-            Change::FromVisual { .. } => {
-                let last = link.visuals.last().map_or(shape.at, |last| last.at);
-                let at = nodes[&last].range().end;
-                let one = [None];
-                let each: Vec<Option<&String>> =
-                    meshes.map_or(one.to_vec(), |meshes| meshes.iter().map(Some).collect());
-                let is_single = each.len() == 1;
-                for (index, mesh) in each.into_iter().enumerate() {
-                    let index = if is_single { None } else { Some(index) };
-                    edits.push(Edit::insert(at, from_visual(node, text, mesh, index, &mut names)));
-                }
-            }
-        }
-    }
-    Ok(edits)
-}
-
 fn mass(link: Node) -> Option<f64> {
     let value = child(child(link, "inertial")?, "mass")?.attribute("value")?;
     value.trim().parse().ok().filter(|mass: &f64| *mass > 0.0 && mass.is_finite())
@@ -189,41 +153,7 @@ fn of_inertial(node: Node, text: &str, [x, y, z]: [f64; 3], tensor: [[f64; 3]; 3
     edits
 }
 
-/// The first mesh replaces the old one. Each other mesh gets a copy of the element.
-fn replace(node: Node, text: &str, meshes: &[String], mut copy: impl FnMut(usize, &String) -> String) -> Vec<Edit> {
-    let Some((first, others)) = meshes.split_first() else { return Vec::new() };
-    let mut edits: Vec<Edit> = mesh_of(node).map(|mesh| set(mesh, text, "filename", first)).into_iter().collect();
-    edits.extend((1..).zip(others).map(|(index, mesh)| Edit::insert(node.range().end, copy(index, mesh))));
-    edits
-}
-
-fn mesh_of<'a, 'input>(node: Node<'a, 'input>) -> Option<Node<'a, 'input>> {
-    child(child(node, "geometry")?, "mesh")
-}
-
-/// A copy of a collision with another mesh, for part `index`.
-fn part(node: Node, text: &str, mesh: &str, index: Option<usize>, names: &mut BTreeSet<String>) -> String {
-    let mut edits: Vec<Edit> = mesh_of(node).map(|node| set(node, text, "filename", mesh)).into_iter().collect();
-    edits.extend(renamed(node, text, index, names));
-    text[lead(node, text)].to_owned() + &edited(text, node.range(), edits)
-}
-
-fn renamed(node: Node, text: &str, index: Option<usize>, names: &mut BTreeSet<String>) -> Option<Edit> {
-    let name = node.attribute("name").filter(|name| !name.is_empty())?;
-    let name = index.map_or_else(|| name.to_owned(), |index| format!("{name}_part_{index:02}"));
-    Some(set(node, text, "name", &unique(&name, names)))
-}
-
-fn from_visual(
-    node: Node,
-    text: &str,
-    mesh: Option<&String>,
-    index: Option<usize>,
-    names: &mut BTreeSet<String>,
-) -> String {
-    let mut edits = rename(node, text, "collision");
-    edits.extend(children(node, "material").map(|material| removed(material, text)));
-    edits.extend(mesh.and_then(|mesh| Some(set(mesh_of(node)?, text, "filename", mesh))));
-    edits.extend(renamed(node, text, index, names));
-    text[lead(node, text)].to_owned() + &edited(text, node.range(), edits)
+fn with_mesh(node: Node, text: &str, name: &str) -> Vec<Edit> {
+    let mesh = child(node, "geometry").and_then(|geometry| child(geometry, "mesh"));
+    mesh.map(|mesh| set(mesh, text, "filename", name)).into_iter().collect()
 }

@@ -28,10 +28,10 @@ const MAX_NODES: u32 = 1 << 18;
 /// Complexity: O(bytes), plus instances within `limits`.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<SourceMesh, LineFault> {
     let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-    let text = std::str::from_utf8(text)
-        .map_err(|_| Fault::format("the file is not UTF-8 text: save it as UTF-8").of_file())?;
+    let text =
+        std::str::from_utf8(text).map_err(|_| LineFault::of_file("the file is not UTF-8 text: save it as UTF-8"))?;
     if text.trim().is_empty() {
-        return Err(Fault::format("the file is empty; expected a COLLADA file: export it again").of_file());
+        return Err(LineFault::of_file("the file is empty; expected a COLLADA file: export it again"));
     }
     let options = ParsingOptions { allow_dtd: false, nodes_limit: MAX_NODES, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(|error| {
@@ -50,7 +50,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<SourceMesh, LineFault> {
     let root = document.root_element();
     if root.tag_name().name() != "COLLADA" {
         let name = excerpt(root.tag_name().name());
-        return Err(Fault::format(format!("the root is `{name}`, not `COLLADA`: check the extension")).of_file());
+        return Err(LineFault::of_file(format!("the root is `{name}`, not `COLLADA`: check the extension")));
     }
     scene::read(&document, limits)
 }

@@ -7,7 +7,7 @@ use roxmltree::{Document, Node};
 
 use super::geometry::{Target, positions_of};
 use super::xml::{child, fault_at, local, number};
-use crate::fault::{Fault, LineFault, excerpt};
+use crate::fault::{LineFault, excerpt};
 use crate::limits::{GLTF_LIST, Limits};
 use crate::mesh::{Polygons, Positions, SourceMesh};
 
@@ -35,7 +35,7 @@ pub fn read(document: &Document, limits: &Limits) -> Result<SourceMesh, LineFaul
         let metres =
             text.trim().replace(',', ".").parse().ok().filter(|metres: &f64| *metres > 0.0 && metres.is_finite());
         metres.ok_or_else(|| {
-            Fault::format(format!("the unit of {} metres is no length: correct `unit meter`", excerpt(text))).of_file()
+            LineFault::of_file(format!("the unit of {} metres is no length: correct `unit meter`", excerpt(text)))
         })
     })?;
     let mut reader = Reader {
@@ -175,7 +175,7 @@ impl<'a, 'input> Reader<'a, 'input, '_> {
         if self.mesh.positions.len() == 0 {
             let text =
                 "the scene shows no geometry, but a hull requires at least one point: check that the export finished";
-            return Err(Fault::format(text).of_file());
+            return Err(LineFault::of_file(text));
         }
         if metres != 1.0 {
             self.mesh.notes.push(format!("the file's unit is {metres} m; its coordinates were converted to metres"));

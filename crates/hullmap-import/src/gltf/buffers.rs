@@ -10,7 +10,7 @@ use base64::engine::general_purpose::STANDARD;
 use super::container::{BufferLocation, Container};
 use super::document::{Accessor, Document};
 use super::{physics, scene};
-use crate::fault::{Fault, LineFault, counted};
+use crate::fault::{LineFault, counted};
 use crate::foreign::{LFS_REMEDY, is_lfs_pointer};
 
 /// Paths of the buffers beside a file that are required, relative to it, without repetition, in the
@@ -37,7 +37,7 @@ pub fn read<'a>(
     let records = &container.document.buffers;
     let mut buffers: Vec<Option<Cow<[u8]>>> = records.iter().map(|_| None).collect();
     for (index, uri) in required(container) {
-        let fault = |text: String| Fault::format(format!("buffer {index} {text}; export the file again")).of_file();
+        let fault = |text: String| LineFault::of_file(format!("buffer {index} {text}; export the file again"));
         let bytes: Cow<[u8]> = match locate(index, uri)? {
             // Only the first buffer can be the BIN chunk.
             BufferLocation::Chunk => match container.buffer {
@@ -52,7 +52,7 @@ pub fn read<'a>(
                 if is_lfs_pointer(bytes) {
                     let text =
                         format!("buffer {index} ({path}) is a Git LFS pointer, not the buffer itself: {LFS_REMEDY}");
-                    return Err(Fault::format(text).of_file());
+                    return Err(LineFault::of_file(text));
                 }
                 Cow::Borrowed(bytes)
             }
@@ -70,7 +70,7 @@ pub fn read<'a>(
 }
 
 fn locate(index: usize, uri: Option<&str>) -> Result<BufferLocation<'_>, LineFault> {
-    BufferLocation::from_uri(uri).map_err(|text| Fault::format(format!("buffer {index} has {text}")).of_file())
+    BufferLocation::from_uri(uri).map_err(|text| LineFault::of_file(format!("buffer {index} has {text}")))
 }
 
 /// Indices and URIs of the buffers with positions or vertex indices of the scene, and of its

@@ -35,7 +35,7 @@ impl Container<'_> {
 /// Fails if the container is damaged, the text is not glTF 2.0, or the file requires an unsupported
 /// extension.
 pub fn open(bytes: &[u8]) -> Result<Container<'_>, LineFault> {
-    let fault = |text: String| Err(Fault::format(text).of_file());
+    let fault = |text: String| Err(LineFault::of_file(text));
     let (text, buffer) = if bytes.starts_with(b"glTF") { chunks(bytes)? } else { (bytes, None) };
     if text.iter().all(u8::is_ascii_whitespace) {
         return fault("the file is empty; expected glTF: export it again".to_owned());
@@ -92,7 +92,7 @@ fn not_a_document(error: &serde_json::Error) -> String {
 }
 
 fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), LineFault> {
-    let fault = |text: String| Err(Fault::format(text).of_file());
+    let fault = |text: String| Err(LineFault::of_file(text));
     let word = |at: usize| bytes.get(at..)?.first_chunk().map(|bytes| u32::from_le_bytes(*bytes));
     let (Some(version), Some(length)) = (word(4), word(8)) else {
         return fault("the GLB header is incomplete: the file was cut off; export it again".to_owned());

@@ -88,7 +88,7 @@ fn read_scene<T>(
     let data = Data { document, buffers, decoded: &decoded.views };
     let byte_count = bytes.len() + beside.iter().map(|(_, bytes)| bytes.len()).sum::<usize>();
     let shapes = reads_colliders.then(|| Shapes::new(document)).transpose();
-    let shapes = shapes.map_err(|text| Fault::format(text).of_file())?;
+    let shapes = shapes.map_err(LineFault::of_file)?;
     read(SceneReader::new(data, byte_count, decoded.repeated_count, shapes, limits)).map_err(Fault::of_file)
 }
 

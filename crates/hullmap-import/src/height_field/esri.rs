@@ -30,7 +30,7 @@ pub(super) fn heights(bytes: &[u8], options: &HeightOptions) -> Result<Heights, 
     let whole = |count: Option<f64>, key: &str| {
         let count = count.filter(|count| count.fract() == 0.0 && (1.0..=4e9).contains(count));
         let text = format!("the header has no valid `{key}`; expected a whole number of at least 1");
-        count.map(|count| count as usize).ok_or_else(|| Fault::format(text).of_file())
+        count.map(|count| count as usize).ok_or_else(|| LineFault::of_file(text))
     };
     let (columns, rows) = (whole(head.columns, "ncols")?, whole(head.rows, "nrows")?);
     let count = sample_count(columns, rows)?;
@@ -56,7 +56,7 @@ pub(super) fn heights(bytes: &[u8], options: &HeightOptions) -> Result<Heights, 
         return Err(Fault::format(text).at_line(tokens.line()));
     }
     let size = head.size.filter(|size| *size > 0.0 && size.is_finite());
-    let size = size.ok_or_else(|| Fault::format("the header has no valid `cellsize`; expected a length").of_file())?;
+    let size = size.ok_or_else(|| LineFault::of_file("the header has no valid `cellsize`; expected a length"))?;
     let ([x, y], [mid_x, mid_y]) = (head.low, head.is_middle);
     let middle = |low: f64, is_middle: bool| if is_middle { low } else { low + 0.5 * size };
     let origin = x.zip(y).map(|(x, y)| [middle(x, mid_x), middle(y, mid_y)]);

@@ -1,7 +1,7 @@
 //! Heights on a grid, and how samples become heights.
 
 use super::hole::Hole;
-use crate::fault::{Fault, LineFault};
+use crate::fault::LineFault;
 
 /// Maximum number of samples: a height field has at most 2²⁷ cells.
 const MAX_SAMPLES: usize = 1 << 28;
@@ -61,7 +61,7 @@ pub(super) fn sample_count(columns: usize, rows: usize) -> Result<usize, LineFau
         let text = format!(
             "{columns} × {rows} samples (expected at least 1, and at most {MAX_SAMPLES}); use a part of the grid"
         );
-        Fault::format(text).of_file()
+        LineFault::of_file(text)
     })
 }
 

@@ -6,7 +6,7 @@ use png::{BitDepth, ColorType, Decoder, Limits};
 
 use super::grid::{HeightOptions, Heights, flipped, sample_count};
 use super::hole::Hole;
-use crate::fault::{Fault, LineFault};
+use crate::fault::LineFault;
 
 /// A little above DEFLATE's greatest ratio, 1032. An image that claims to be larger is damaged.
 const MAX_RATIO: usize = 1100;
@@ -29,7 +29,7 @@ pub(super) fn heights(bytes: &[u8], options: &HeightOptions) -> Result<Heights, 
     let Samples { columns, rows, samples, white } = samples(bytes)?;
     let grey = |hole: Hole| {
         let text = format!("no sample is {hole}; name a grey value from 0 to {white} with --set hole=V");
-        hole.grey(white).ok_or_else(|| Fault::format(text).of_file())
+        hole.grey(white).ok_or_else(|| LineFault::of_file(text))
     };
     let hole = options.hole.map(grey).transpose()?;
     let height = |sample: &u16| match *sample {
@@ -43,7 +43,7 @@ pub(super) fn heights(bytes: &[u8], options: &HeightOptions) -> Result<Heights, 
 
 pub(super) fn holes(bytes: &[u8], columns: usize, rows: usize) -> Result<Vec<bool>, LineFault> {
     if !is_png(bytes) {
-        return Err(Fault::format("holes are given by a greyscale PNG; export the image as PNG").of_file());
+        return Err(LineFault::of_file("holes are given by a greyscale PNG; export the image as PNG"));
     }
     let image = samples(bytes)?;
     let (across, along) = (columns.saturating_sub(1), rows.saturating_sub(1));
@@ -56,7 +56,7 @@ pub(super) fn holes(bytes: &[u8], columns: usize, rows: usize) -> Result<Vec<boo
                 "the image has {width} × {height} pixels; expected {columns} × {rows} for the vertices of the height \
                  field, or {across} × {along} for its cells"
             );
-            return Err(Fault::format(text).of_file());
+            return Err(LineFault::of_file(text));
         }
     };
     let cells = (0..along).flat_map(|row| (0..across).map(move |column| (column, row)));
@@ -64,7 +64,7 @@ pub(super) fn holes(bytes: &[u8], columns: usize, rows: usize) -> Result<Vec<boo
 }
 
 fn samples(bytes: &[u8]) -> Result<Samples, LineFault> {
-    let damaged = |error: png::DecodingError| Fault::format(format!("damaged PNG: {error}; export it again")).of_file();
+    let damaged = |error: png::DecodingError| LineFault::of_file(format!("damaged PNG: {error}; export it again"));
     let limit = bytes.len().saturating_mul(MAX_RATIO);
     let decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: limit.saturating_add(1 << 20) });
     let mut reader = decoder.read_info().map_err(damaged)?;
@@ -88,13 +88,13 @@ fn samples(bytes: &[u8]) -> Result<Samples, LineFault> {
                 "the image is {kind} of {bits} bits; heights need greyscale of 16 bits, or of 8: convert it, for \
                  instance with `magick IN -colorspace gray -depth 16 -define png:color-type=0 OUT`"
             );
-            return Err(Fault::format(text).of_file());
+            return Err(LineFault::of_file(text));
         }
     };
     if size > limit {
         let text =
             format!("damaged PNG: {} bytes cannot hold {columns} × {rows} samples; export it again", bytes.len());
-        return Err(Fault::format(text).of_file());
+        return Err(LineFault::of_file(text));
     }
     let mut pixels = vec![0; size];
     reader.next_frame(&mut pixels).map_err(damaged)?;

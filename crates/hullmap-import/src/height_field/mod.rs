@@ -21,7 +21,7 @@ use std::path::Path;
 pub use grid::{HeightOptions, Heights};
 pub use hole::Hole;
 
-use crate::fault::{Fault, ImportError, LineFault};
+use crate::fault::{ImportError, LineFault};
 use crate::limits::Limits;
 use crate::read::{ReadError, SourceFile, read_beside};
 
@@ -72,7 +72,7 @@ pub fn import_heights(file: &str, bytes: &[u8], options: &HeightOptions) -> Resu
     } else {
         let text = "expected a greyscale PNG, an ESRI ASCII grid that starts with `ncols`, or raw numbers of 32 bits, \
                     whose numbers of rows and columns are given (rows, columns)";
-        Err(Fault::format(text).of_file())
+        Err(LineFault::of_file(text))
     };
     heights.and_then(finite).map_err(|fault| in_file(file, fault))
 }
@@ -98,7 +98,7 @@ fn finite(heights: Heights) -> Result<Heights, LineFault> {
                 "the height at column {column}, row {row} (counted from the least y) is infinite in 32-bit floats; \
                  correct the sample, or choose another --set height_scale"
             );
-            Err(Fault::format(text).of_file())
+            Err(LineFault::of_file(text))
         }
         None => Ok(heights),
     }

@@ -1,7 +1,7 @@
 //! Files of raw numbers: little-endian f32, row by row, the row with the least y first.
 
 use super::grid::{HeightOptions, Heights, sample_count};
-use crate::fault::{Fault, LineFault};
+use crate::fault::LineFault;
 
 pub(super) fn heights(
     bytes: &[u8],
@@ -16,7 +16,7 @@ pub(super) fn heights(
              and --set columns, and that the file is complete",
             bytes.len()
         );
-        return Err(Fault::format(text).of_file());
+        return Err(LineFault::of_file(text));
     }
     let (samples, _) = bytes.as_chunks::<4>();
     let mut hole_samples = 0;

@@ -94,7 +94,7 @@ impl<'a> Body<'a> {
     pub fn fault(&self, message: String) -> LineFault {
         match self {
             Self::Text(text) => Fault::format(message).at_line(text.tokens.line()),
-            Self::Binary { .. } => Fault::format(message).of_file(),
+            Self::Binary { .. } => LineFault::of_file(message),
         }
     }
 
@@ -110,14 +110,13 @@ impl<'a> Body<'a> {
         if element.count.checked_mul(minimum).is_some_and(|need| need <= have) {
             return Ok(());
         }
-        Err(Fault::format(format!(
+        Err(LineFault::of_file(format!(
             "the header claims {} `{}` of at least {}, but {} left: the file was cut off; export it again",
             counted(element.count, "element", "elements"),
             element.name,
             counted(minimum, "byte", "bytes each"),
             counted(have, "byte is", "bytes are")
-        ))
-        .of_file())
+        )))
     }
 
     pub fn skip(&mut self, element: &Element) -> Result<(), LineFault> {

@@ -120,9 +120,7 @@ pub fn read(bytes: &[u8]) -> Result<Header, LineFault> {
     let (mut unknown_count, mut first_unknown) = (0, None);
     loop {
         let Some(line) = lines.next() else {
-            return Err(
-                Fault::format("the header has no `end_header`: the file was cut off; export it again").of_file()
-            );
+            return Err(LineFault::of_file("the header has no `end_header`: the file was cut off; export it again"));
         };
         let number = lines.number;
         let text = String::from_utf8_lossy(line);
@@ -174,7 +172,7 @@ pub fn read(bytes: &[u8]) -> Result<Header, LineFault> {
         }
     }
     let Some(encoding) = encoding else {
-        return Err(Fault::format("the header has no `format` line; export the file again").of_file());
+        return Err(LineFault::of_file("the header has no `format` line; export the file again"));
     };
     let note = first_unknown.map(|first| {
         format!("{first}: {} with an unknown keyword, skipped", counted(unknown_count, "header line", "header lines"))

@@ -33,32 +33,30 @@ const STRIP_BYTES_A_CORNER: usize = 4;
 /// or text body, or its element in a binary body.
 pub fn read(bytes: &[u8], is_double: bool) -> Result<SourceMesh, LineFault> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
-        return Err(Fault::format("the file is empty; expected a PLY file: export it again").of_file());
+        return Err(LineFault::of_file("the file is empty; expected a PLY file: export it again"));
     }
     let header = header::read(bytes)?;
     let mut vertex_elements = header.elements.iter().filter(|element| element.name == "vertex");
     let Some(vertex) = vertex_elements.next() else {
-        return Err(Fault::format("the header has no `element vertex`, but a hull requires points").of_file());
+        return Err(LineFault::of_file("the header has no `element vertex`, but a hull requires points"));
     };
     if vertex_elements.next().is_some() {
         // The indices of a face would be ambiguous.
-        return Err(Fault::format("the header declares `element vertex` twice; export the file again").of_file());
+        return Err(LineFault::of_file("the header declares `element vertex` twice; export the file again"));
     }
     if vertex.count == 0 {
-        return Err(Fault::format(
+        return Err(LineFault::of_file(
             "the file has no vertices, but a hull requires at least one point: check that the export finished",
-        )
-        .of_file());
+        ));
     }
     if vertex.count > u64::from(u32::MAX - 1) {
         return Err(Fault::TooManyVertices.of_file());
     }
     if vertex.count > FREE_VERTICES.max((bytes.len() / VERTEX_BYTES) as u64) {
-        return Err(Fault::format(format!(
+        return Err(LineFault::of_file(format!(
             "the header claims {} vertices, and each takes less than {VERTEX_BYTES} bytes of the file: it was cut off, or has 8-bit coordinates; write them as floats",
             vertex.count
-        ))
-        .of_file());
+        )));
     }
     let vertex_count = vertex.count as u32;
     let strip_corner_limit = (bytes.len() / STRIP_BYTES_A_CORNER).max(FREE_STRIP_CORNERS);
@@ -104,7 +102,7 @@ fn read_vertices(body: &mut Body, header: &Header, element: &Element, is_double:
     let mut axes = [0; 3];
     for (axis, name) in axes.iter_mut().zip(["x", "y", "z"]) {
         *axis = element.find(&[name]).filter(|&place| element.properties[place].length.is_none()).ok_or_else(|| {
-            Fault::format(format!("`element vertex` has no number `{name}`, but a hull requires x, y and z")).of_file()
+            LineFault::of_file(format!("`element vertex` has no number `{name}`, but a hull requires x, y and z"))
         })?;
     }
     let is_text = header.encoding == Encoding::Text;
@@ -175,11 +173,10 @@ fn read_faces(
             let corner_count = body.length(length, property.scalar, element, instance)?;
             strip_corners += corner_count as usize;
             if strip_corner_limit.is_some_and(|limit| strip_corners > limit) {
-                return Err(Fault::format(format!(
+                return Err(LineFault::of_file(format!(
                     "the strips have more than {} corners, the limit for a file of this size: write triangles instead",
                     strip_corner_limit.unwrap_or_default()
-                ))
-                .of_file());
+                )));
             }
             strip.clear();
             for _ in 0..corner_count {

@@ -22,7 +22,7 @@ use std::collections::HashMap;
 
 use super::container::Container;
 use super::document::{BufferView, Filter, Meshopt, Mode};
-use crate::fault::{Fault, LineFault};
+use crate::fault::LineFault;
 use crate::limits::Limits;
 use bytes::Damage;
 
@@ -54,8 +54,7 @@ pub fn decode(
             continue;
         };
         let fault = |text: &str| {
-            Fault::format(format!("buffer view {index}, compressed by {extension}, {text}; export the file again"))
-                .of_file()
+            LineFault::of_file(format!("buffer view {index}, compressed by {extension}, {text}; export the file again"))
         };
         let size = check(view, data).map_err(fault)?;
         decoded.repeated_count = decoded.repeated_count.saturating_add(size.div_ceil(BYTES_PER_VERTEX));
