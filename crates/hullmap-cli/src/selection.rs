@@ -66,33 +66,23 @@ mod tests {
             std::fs::write(folder.path().join(name), "").unwrap();
         }
         for (text, file, hull) in [
-            ("x.hullmap#left#2", "x.hullmap", "left#2"),
-            ("x.hullmap##", "x.hullmap", "#"),
-            ("x.hullmap#a.hullmap#b", "x.hullmap", "a.hullmap#b"),
-            ("a#b.hullmap#c#d", "a#b.hullmap", "c#d"),
-            ("gone.hullmap#left#2", "gone.hullmap", "left#2"),
+            ("x.hullmap", "x.hullmap", None),
+            ("a#b.hullmap", "a#b.hullmap", None),
+            ("gone.hullmap", "gone.hullmap", None),
+            ("x.hullmap#left#2", "x.hullmap", Some("left#2")),
+            ("x.hullmap##", "x.hullmap", Some("#")),
+            ("x.hullmap#a.hullmap#b", "x.hullmap", Some("a.hullmap#b")),
+            ("a#b.hullmap#c#d", "a#b.hullmap", Some("c#d")),
+            ("gone.hullmap#left#2", "gone.hullmap", Some("left#2")),
+            ("a#b/x.hullmap#left", "a#b/x.hullmap", Some("left")),
         ] {
             let selection = Selection::parse(folder.path().join(text).to_str().unwrap());
-            assert_eq!(selection, Selection { file: folder.path().join(file), hull: Some(hull.to_owned()) }, "{text}");
+            assert_eq!(
+                selection,
+                Selection { file: folder.path().join(file), hull: hull.map(str::to_owned) },
+                "{text}"
+            );
         }
-    }
-
-    #[test]
-    fn a_hash_after_a_pack_name_splits() {
-        let selection = Selection::parse("a#b/x.hullmap#left");
-        assert_eq!(selection.file, Path::new("a#b/x.hullmap"));
-        assert_eq!(selection.hull.as_deref(), Some("left"));
-        assert_eq!(Selection::parse("x.hullmap").hull, None);
-    }
-
-    #[test]
-    fn a_file_with_a_hash_in_its_name_is_a_file() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a#b.hullmap");
-        std::fs::write(&path, "").unwrap();
-        let text = path.to_str().unwrap();
-        assert_eq!(Selection::parse(text), Selection { file: path.clone(), hull: None });
-        assert_eq!(Selection::parse(&format!("{text}#2")), Selection { file: path, hull: Some("2".to_owned()) });
     }
 
     #[test]

@@ -74,19 +74,20 @@ pub fn facts(rows: &[(&str, String)]) -> String {
     rows.iter().map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n")).collect()
 }
 
-/// A table that scrolls within the page. Each head states whether its column holds words; rows have
-/// attributes of their element and cells of HTML; the last row may be the sums.
-pub fn table(label: &str, heads: &[(&str, bool)], rows: &[(String, Vec<String>)], has_sums: bool) -> String {
-    let class = |is_word: bool, head: &str| match (is_word, head) {
-        (true, "hull" | "part" | "link") => " class=\"word name\"",
-        (true, _) => " class=\"word\"",
-        (false, _) => "",
+/// A table that scrolls within the page. `heads` are divided by ` | `; a column of words has a colon
+/// behind its head. Rows have attributes of their element and cells of HTML; the last row may be the
+/// sums.
+pub fn table(label: &str, heads: &str, rows: &[(String, Vec<String>)], has_sums: bool) -> String {
+    let class = |head: &str| match head {
+        "hull:" | "part:" | "link:" => " class=\"word name\"",
+        _ if head.ends_with(':') => " class=\"word\"",
+        _ => "",
     };
     let mut out = format!(
         "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{label}\"><table aria-label=\"{label}\">\n<thead><tr>"
     );
-    for (head, is_word) in heads {
-        out += &format!("<th scope=\"col\"{}>{head}</th>", class(*is_word, head));
+    for head in heads.split(" | ") {
+        out += &format!("<th scope=\"col\"{}>{}</th>", class(head), head.trim_end_matches(':'));
     }
     out += "</tr></thead>\n<tbody>\n";
     for (at, (attributes, cells)) in rows.iter().enumerate() {
@@ -94,8 +95,8 @@ pub fn table(label: &str, heads: &[(&str, bool)], rows: &[(String, Vec<String>)]
             out += "</tbody>\n<tfoot>\n";
         }
         out += &format!("<tr{attributes}>");
-        for (cell, (head, is_word)) in cells.iter().zip(heads) {
-            out += &format!("<td{}>{cell}</td>", class(*is_word, head));
+        for (cell, head) in cells.iter().zip(heads.split(" | ")) {
+            out += &format!("<td{}>{cell}</td>", class(head));
         }
         out += "</tr>\n";
     }

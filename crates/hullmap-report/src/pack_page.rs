@@ -112,7 +112,7 @@ fn facts(pack: &Analysis) -> String {
 }
 
 /// A table below its caption, which wraps if the table is wider than the screen.
-fn table(caption: &str, heads: &[(&str, bool)], rows: impl Iterator<Item = Vec<String>>, has_sums: bool) -> String {
+fn table(caption: &str, heads: &str, rows: impl Iterator<Item = Vec<String>>, has_sums: bool) -> String {
     let rows: Vec<_> = rows.map(|cells| (String::new(), cells)).collect();
     format!("<p class=\"soft\">{caption}</p>\n{}", html::table(caption, heads, &rows, has_sums))
 }
@@ -128,20 +128,8 @@ fn rank_name(rank: u32) -> &'static str {
 
 /// The table of the hulls, narrow enough for a screen.
 fn hulls(pack: &Analysis) -> String {
-    let heads = [
-        ("hull", true),
-        ("rank", true),
-        ("points", false),
-        ("vertices", false),
-        ("faces", false),
-        ("diameter", false),
-        ("area", false),
-        ("volume", false),
-        ("error", false),
-        ("outer error", false),
-        ("uncovered", false),
-        ("protrusion", false),
-    ];
+    let heads = "hull: | rank: | points | vertices | faces | diameter | area | volume | error | outer error | \
+                 uncovered | protrusion";
     let rows = pack.hulls.iter().map(|hull| {
         vec![
             escape(&hull.name),
@@ -163,7 +151,7 @@ fn hulls(pack: &Analysis) -> String {
          how far a simplified hull extends beyond its source, a length. Uncovered: bound on how far a point of the mesh's surface \
          lies outside all of its parts, a length. Protrusion: bound on how far a point of the part lies outside the mesh's \
          solid, a length.",
-        &heads,
+        heads,
         rows,
         false,
     )
@@ -194,14 +182,7 @@ fn verification(pack: &Analysis) -> String {
          Regret is how far an answer falls short, relative to the diameter; exact means at most 2e−7.{simplified}{parts}",
         count(verification.directions as u64),
     );
-    let heads = [
-        ("hull", true),
-        ("max regret", false),
-        ("mismatches", false),
-        ("worst nodes", false),
-        ("worst dots", false),
-        ("result", true),
-    ];
+    let heads = "hull: | max regret | mismatches | worst nodes | worst dots | result:";
     let is_listed = |(index, hull): &(usize, &VerifiedHull)| *index < MAX_HULLS || !hull.passed;
     let rows = verification.hulls.iter().enumerate().filter(is_listed).map(|(_, hull)| {
         let (class, word) = match (hull.passed, hull.is_simplified) {
@@ -225,19 +206,11 @@ fn verification(pack: &Analysis) -> String {
             format!("<span class=\"chip {class}\">{word}</span>"),
         ]
     });
-    table(&caption, &heads, rows, false)
+    table(&caption, heads, rows, false)
 }
 
 fn sizes(pack: &Analysis) -> String {
-    let heads = [
-        ("section", true),
-        ("holds", true),
-        ("elements", false),
-        ("bytes", false),
-        ("per vertex", false),
-        ("share", false),
-        ("", true),
-    ];
+    let heads = "section: | holds: | elements | bytes | per vertex | share | :";
     let per_vertex = |bytes: usize| format!("{:.1}", bytes as f64 / pack.vertex_count.max(1) as f64);
     let percent = |bytes: usize| 100.0 * bytes as f64 / pack.bytes.max(1) as f64;
     let rows = pack.sections.iter().filter(|section| section.bytes > 0).map(|section| {
@@ -254,7 +227,7 @@ fn sizes(pack: &Analysis) -> String {
     });
     let foot =
         ["whole file", "", "", &count(pack.bytes as u64), &per_vertex(pack.bytes), "100 %", ""].map(str::to_owned);
-    table("Bytes of the file by section, in the order of the file", &heads, rows.chain([foot.into()]), true)
+    table("Bytes of the file by section, in the order of the file", heads, rows.chain([foot.into()]), true)
 }
 
 fn limits(pack: &Analysis) -> String {

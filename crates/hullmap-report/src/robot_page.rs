@@ -213,7 +213,7 @@ fn facts(robot: &Robot) -> String {
 }
 
 /// A table whose rows have the links that they show, and cells; the first becomes a button.
-fn table(label: &str, heads: &[(&str, bool)], rows: &[(Vec<usize>, Vec<String>)]) -> String {
+fn table(label: &str, heads: &str, rows: &[(Vec<usize>, Vec<String>)]) -> String {
     let shown = rows.iter().take(MAX_ROWS).map(|(links, cells)| {
         let links: Vec<String> = links.iter().map(usize::to_string).collect();
         let mut cells = cells.clone();
@@ -252,22 +252,14 @@ fn links(robot: &Robot) -> String {
             (vec![index], cells)
         })
         .collect();
-    let heads = [
-        ("link", true),
-        ("becomes", true),
-        ("pieces before", false),
-        ("after", false),
-        ("vertices", false),
-        ("protrusion before, mm", false),
-        ("after, mm", false),
-        ("uncovered, mm", false),
-    ];
+    let heads =
+        "link: | becomes: | pieces before | after | vertices | protrusion before, mm | after, mm | uncovered, mm";
     "<p class=\"soft\">The worst link first. Point at a row to show its link in the pictures; press the button in it to keep \
      it shown. Protrusion: bound on how far a collision lies outside of the solid that its mesh bounds. Before: of the \
      convex hull of the mesh, which engines use in its place. Uncovered: bound on how far the surface of the mesh lies \
      outside of the new collisions.</p>\n"
         .to_owned()
-        + &table("Links, the worst first", &heads, &rows)
+        + &table("Links, the worst first", heads, &rows)
 }
 
 fn touching(robot: &Robot) -> String {
@@ -276,11 +268,11 @@ fn touching(robot: &Robot) -> String {
         let [before, after] = pair.touches.map(|touches| if touches { "touch" } else { "–" }.to_owned());
         (pair.links.to_vec(), vec![a, b, before, after])
     };
-    let heads = [("link", true), ("link", true), ("before", true), ("after", true)];
+    let heads = "link: | link: | before: | after:";
     let section = |is_untested: bool, label: &str| {
         let rows: Vec<_> =
             robot.touching.iter().filter(|pair| pair.is_untested == is_untested).map(|pair| row(&pair)).collect();
-        if rows.is_empty() { "<p>None.</p>\n".to_owned() } else { table(label, &heads, &rows) }
+        if rows.is_empty() { "<p>None.</p>\n".to_owned() } else { table(label, heads, &rows) }
     };
     let untested = robot.touching.iter().filter(|pair| pair.is_untested).count();
     format!(
@@ -303,8 +295,8 @@ fn excluded(robot: &Robot) -> String {
         })
         .collect();
     let note = format!("<p class=\"soft\">{}</p>\n", escape(&robot.exclusion));
-    let heads = [("link", true), ("link", true), ("reason", true)];
-    note + &if rows.is_empty() { "<p>None.</p>\n".to_owned() } else { table("Pairs to exclude", &heads, &rows) }
+    let heads = "link: | link: | reason:";
+    note + &if rows.is_empty() { "<p>None.</p>\n".to_owned() } else { table("Pairs to exclude", heads, &rows) }
 }
 
 fn limits(robot: &Robot, meshes: &[DisplayMesh], undrawn: usize) -> String {

@@ -285,8 +285,13 @@ impl Description {
     }
 }
 
+/// A finite number.
+pub(crate) fn number(text: &str) -> Option<f64> {
+    text.trim().parse().ok().filter(|number: &f64| number.is_finite())
+}
+
 pub(crate) fn numbers(text: &str) -> Option<Vec<f64>> {
-    let numbers = text.split_whitespace().map(|word| word.parse().ok().filter(|number: &f64| number.is_finite()));
+    let numbers = text.split_whitespace().map(number);
     numbers.collect()
 }
 

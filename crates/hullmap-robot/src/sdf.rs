@@ -11,7 +11,7 @@ use std::ops::Range;
 
 use roxmltree::Node;
 
-use crate::description::{Description, Format, Reference, Submesh, Unread, numbers, reference};
+use crate::description::{Description, Format, Reference, Submesh, Unread, number, numbers, reference};
 use crate::document::Document;
 use crate::edit::Edit;
 use crate::element::{child, escaped, lead, removed, without};
@@ -90,7 +90,7 @@ fn submesh(mesh: Node) -> Option<Submesh> {
 fn mass(link: Node) -> Option<f64> {
     let inertial = child(link, "inertial").filter(|node| node.attribute("auto") != Some("true"))?;
     let mass = child(inertial, "mass")?.text()?;
-    mass.trim().parse().ok().filter(|mass: &f64| *mass > 0.0 && mass.is_finite())
+    number(mass).filter(|mass| *mass > 0.0)
 }
 
 /// Edits of an `inertial`: its pose is the centre of mass, with the axes of the link.

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use roxmltree::Node;
 
-use crate::description::{Description, Format, Link, Reference, numbers, reference};
+use crate::description::{Description, Format, Link, Reference, number, numbers, reference};
 use crate::document::Document;
 use crate::edit::Edit;
 use crate::element::{child, children, lead, set};
@@ -125,7 +125,7 @@ impl MeshFiles<'_> {
 
 fn mass(link: Node) -> Option<f64> {
     let value = child(child(link, "inertial")?, "mass")?.attribute("value")?;
-    value.trim().parse().ok().filter(|mass: &f64| *mass > 0.0 && mass.is_finite())
+    number(value).filter(|mass| *mass > 0.0)
 }
 
 /// Edits of an `inertial`: the origin is the centre of mass, with the axes of the link.

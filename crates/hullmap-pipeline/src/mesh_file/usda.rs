@@ -33,6 +33,7 @@ use hullmap::{Hull, MassProperties, MassSource, Pack};
 use hullmap_import::UpAxis;
 
 use super::body::Body;
+use super::glb::bounds;
 use super::seal::{SEAL, sealed};
 use crate::principal_axes::principal_axes;
 
@@ -352,13 +353,6 @@ fn turned(found: &MassProperties, rotation: UpAxis) -> MassProperties {
         UpAxis::ZToY => DMat3::from_cols(DVec3::X, -DVec3::Z, DVec3::Y),
     };
     MassProperties { center_of_mass: by * found.center_of_mass, inertia: by * found.inertia * by.transpose(), ..*found }
-}
-
-fn bounds(positions: &[[f32; 3]]) -> [[f32; 3]; 2] {
-    let corner = |better: fn(f32, f32) -> f32| {
-        [0, 1, 2].map(|axis| positions.iter().map(|point| point[axis]).reduce(better).unwrap_or_default())
-    };
-    [corner(f32::min), corner(f32::max)]
 }
 
 /// Numbers in parentheses. Each is the shortest that reads back with all bits.

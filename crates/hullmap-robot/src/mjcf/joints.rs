@@ -10,7 +10,7 @@ use glam::DVec3;
 use super::pose::Angles;
 use super::tree::Tree;
 use crate::chain::{Chain, Coupling, Joint, Motion};
-use crate::description::{numbers, triple};
+use crate::description::{number, numbers, triple};
 use crate::frame::Frame;
 
 /// A joint of body `link`, in its element `frame`. `get` returns an attribute, also of its class.
@@ -37,7 +37,7 @@ pub fn joint<'t>(
         _ => auto_limits,
     };
     let limits = range.filter(|[low, high]| is_limited && low < high).map(|range| range.map(angle));
-    let reference = get("ref").and_then(|text| text.trim().parse().ok()).filter(|number: &f64| number.is_finite());
+    let reference = get("ref").and_then(number);
     let reference = reference.filter(|_| matches!(motion, Motion::Hinge | Motion::Slide)).map_or(0.0, angle);
     let axis = frame.rotation * vector("axis", DVec3::Z);
     Joint {

@@ -10,7 +10,7 @@ use roxmltree::Node;
 
 use super::pose::{Frames, end};
 use crate::chain::{Chain, Coupling, Joint, Motion, neutral};
-use crate::description::{Link, triple};
+use crate::description::{self, Link, triple};
 use crate::document::Document;
 use crate::element::{child, children};
 use crate::frame::Frame;
@@ -180,7 +180,7 @@ impl<'a> Reader<'a, '_> {
             let axis = if mimic.attribute("axis") == Some("axis2") { "axis2" } else { "axis" };
             let number = |name: &str, default: f64| {
                 let text = child(mimic, name).and_then(|element| element.text());
-                text.and_then(|text| text.trim().parse().ok()).filter(|n: &f64| n.is_finite()).unwrap_or(default)
+                text.and_then(description::number).unwrap_or(default)
             };
             match leader.and_then(|leader| self.named.get(&(leader.range().start, axis))) {
                 Some(&leader) => {

@@ -10,7 +10,7 @@ use roxmltree::Node;
 
 use super::origin::pose;
 use crate::chain::{Chain, Coupling, Joint, Motion, neutral};
-use crate::description::{Link, triple};
+use crate::description::{self, Link, triple};
 use crate::document::Document;
 use crate::element::{child, children};
 use crate::frame::Frame;
@@ -51,13 +51,7 @@ pub fn chain(robot: Node, links: &[Link], document: &Document) -> Chain {
     let names: HashMap<String, usize> =
         chain.joints.iter().enumerate().map(|(at, joint)| (joint.name.clone(), at)).collect();
     for (follower, mimic) in mimics {
-        let number = |name: &str, default: f64| {
-            mimic
-                .attribute(name)
-                .and_then(|text| text.trim().parse().ok())
-                .filter(|n: &f64| n.is_finite())
-                .unwrap_or(default)
-        };
+        let number = |name: &str, default: f64| mimic.attribute(name).and_then(description::number).unwrap_or(default);
         match mimic.attribute("joint").and_then(|leader| names.get(leader)) {
             Some(&leader) => {
                 let coefficients = [number("offset", 0.0), number("multiplier", 1.0), 0.0, 0.0, 0.0];

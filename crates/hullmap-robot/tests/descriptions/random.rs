@@ -28,22 +28,9 @@ fn link(index: usize) -> impl Strategy<Value = String> {
 
 /// Descriptions that are damaged below: each format, every kind of change.
 const SAMPLES: [(&str, &str); 3] = [
-    (
-        "r.urdf",
-        "<robot name='r'>\n <link name='a'><visual name='v'><geometry><mesh filename='a.stl'/></geometry><material/></visual>\
-      <collision name='c'><geometry><mesh filename='a.stl' scale='1 1 1'/></geometry></collision></link><link name='b'/>\n</robot>",
-    ),
-    (
-        "r.sdf",
-        "<sdf><model name='m'><link name='a'><collision name='c'><geometry><mesh><uri>a.stl</uri></mesh></geometry>\
-      </collision><visual name='v'><geometry><mesh><uri>a.stl</uri></mesh></geometry></visual></link></model></sdf>",
-    ),
-    (
-        "r.xml",
-        "<mujoco><default><default class='k'><geom type='mesh'/></default></default><asset><mesh file='a.stl'/></asset>\
-      <worldbody><body name='b' childclass='k'><geom name='g' mesh='a' group='3'/><geom mesh='a' contype='0' conaffinity='0'/>\
-      <frame><geom mesh='a' mass='1'/></frame></body></worldbody></mujoco>",
-    ),
+    ("r.urdf", include_str!("files/small.urdf")),
+    ("r.sdf", include_str!("files/small.sdf")),
+    ("r.xml", include_str!("files/small.xml")),
 ];
 
 /// A text with pieces of it cut out, repeated, or moved.
