@@ -25,17 +25,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_byte_orders_are_decoded() {
-        let text = "v 1 2 3\n# é 😀\n";
-        let units: Vec<u16> = text.encode_utf16().collect();
-        let little: Vec<u8> = units.iter().flat_map(|unit| unit.to_le_bytes()).collect();
-        let big: Vec<u8> = units.iter().flat_map(|unit| unit.to_be_bytes()).collect();
-        assert_eq!(from_utf16(&[b"\xFF\xFE", &little[..]].concat()).unwrap(), text.as_bytes());
-        assert_eq!(from_utf16(&[b"\xFE\xFF", &big[..]].concat()).unwrap(), text.as_bytes());
-        assert_eq!(from_utf16(text.as_bytes()), None);
-    }
-
-    #[test]
     fn half_a_unit_and_lone_surrogates_become_replacement_characters() {
         assert_eq!(from_utf16(b"\xFF\xFEv\0x").unwrap(), "v\u{FFFD}".as_bytes());
         assert_eq!(from_utf16(b"\xFF\xFE\0\xD8v\0").unwrap(), "\u{FFFD}v".as_bytes());

@@ -82,7 +82,10 @@ pub fn import(
     let format = foreign::format_of(path, &source.bytes).map_err(|fault| name(fault.of_file()))?;
     let mesh = match format {
         Format::Obj => obj::read(&source.bytes, is_double, limits),
-        Format::Gltf => gltf::read(&source.bytes, &source.beside, options.split == Split::Auto, limits),
+        Format::Gltf => {
+            let reads_colliders = options.split == Split::Auto;
+            gltf::read(&source.bytes, &source.beside, reads_colliders, limits).map(|(mesh, _)| mesh)
+        }
         Format::Stl => stl::read(&source.bytes, is_double, limits),
         Format::Ply => ply::read(&source.bytes, is_double),
         Format::Collada => collada::read(&source.bytes, limits),

@@ -44,7 +44,7 @@ pub fn scene_objects(
     limits: &Limits,
 ) -> Result<Vec<SceneObject>, ImportError> {
     let name = |LineFault { line, fault }| ImportError { file: file.to_owned(), line, fault };
-    let (mesh, places) = gltf::read_placed(&source.bytes, &source.beside, limits).map_err(name)?;
+    let (mesh, places) = gltf::read(&source.bytes, &source.beside, false, limits).map_err(name)?;
     let objects = object_names(&mesh, stem).into_iter().filter_map(|(object, name)| {
         let &(node, node_in_scene) = places.get(object)?;
         Some(SceneObject { name, node: node as usize, node_in_scene })

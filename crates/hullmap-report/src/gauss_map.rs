@@ -285,16 +285,10 @@ mod tests {
                 let (hull, index) = (pack.hull(0).unwrap(), &contents.indices[0]);
                 let map = gauss_map(&hull, index, 37);
                 assert_eq!([map.vertices, map.leaves], slow(&hull, index, 37), "{} {kind:?}", points.len());
+                assert!(map.table.iter().all(|leaf| leaf.candidates <= leaf.dots as usize));
+                assert!(map.table.len() > 10 || points.len() < 150 || kind == IndexKind::None);
+                assert!(map.line_starts.len() == 7 && !map.lines_are_cut);
             }
         }
-    }
-
-    #[test]
-    fn every_pixel_has_a_leaf_that_lists_its_vertex() {
-        let (pack, contents) = baked(cloud(100), IndexKind::Tree);
-        let map = gauss_map(&pack.hull(0).unwrap(), &contents.indices[0], 24);
-        assert_eq!(map.line_starts.len(), 7);
-        assert!(map.table.len() > 10 && map.table.iter().all(|leaf| leaf.candidates <= leaf.dots as usize));
-        assert!(!map.lines_are_cut);
     }
 }

@@ -53,33 +53,16 @@ pub fn buffer_paths(bytes: &[u8]) -> Result<Vec<String>, LineFault> {
     buffers::paths(&container::open(bytes)?)
 }
 
-/// `beside` holds the files of [`buffer_paths`]. With `reads_colliders`, colliders of physics
-/// extensions are objects too, see [`physics`]. Complexity: O(bytes + vertices of all instances).
+/// The mesh of the scene, and the node of each object with its transform to the scene. `beside` holds
+/// the files of [`buffer_paths`]. With `reads_colliders`, colliders of physics extensions are objects
+/// too, see [`physics`], but have no entry in that list. Complexity: O(bytes + vertices of all
+/// instances).
 pub fn read(
     bytes: &[u8],
     beside: &[(String, Vec<u8>)],
     reads_colliders: bool,
     limits: &Limits,
-) -> Result<SourceMesh, LineFault> {
-    read_scene(bytes, beside, reads_colliders, limits, |reader| reader.read())
-}
-
-/// Also reads the node of each object and its transform to the scene. Colliders are left out.
-pub fn read_placed(
-    bytes: &[u8],
-    beside: &[(String, Vec<u8>)],
-    limits: &Limits,
 ) -> Result<(SourceMesh, Vec<(u32, DAffine3)>), LineFault> {
-    read_scene(bytes, beside, false, limits, |reader| reader.read_placed())
-}
-
-fn read_scene<T>(
-    bytes: &[u8],
-    beside: &[(String, Vec<u8>)],
-    reads_colliders: bool,
-    limits: &Limits,
-    read: impl FnOnce(SceneReader) -> Result<T, Fault>,
-) -> Result<T, LineFault> {
     let container = container::open(bytes)?;
     let buffers = buffers::read(&container, beside)?;
     let buffers: Vec<Option<&[u8]>> = buffers.iter().map(|bytes| bytes.as_deref()).collect();
@@ -89,7 +72,7 @@ fn read_scene<T>(
     let byte_count = bytes.len() + beside.iter().map(|(_, bytes)| bytes.len()).sum::<usize>();
     let shapes = reads_colliders.then(|| Shapes::new(document)).transpose();
     let shapes = shapes.map_err(LineFault::of_file)?;
-    read(SceneReader::new(data, byte_count, decoded.repeated_count, shapes, limits)).map_err(Fault::of_file)
+    SceneReader::new(data, byte_count, decoded.repeated_count, shapes, limits).read().map_err(Fault::of_file)
 }
 
 #[cfg(test)]

@@ -107,19 +107,8 @@ impl<'a> SceneReader<'a> {
         }
     }
 
-    /// Complexity: O(bytes + repetition).
-    pub fn read(mut self) -> Result<SourceMesh, Fault> {
-        self.add_scene()?;
-        self.finish()
-    }
-
-    pub fn read_placed(mut self) -> Result<(SourceMesh, Vec<(u32, DAffine3)>), Fault> {
-        self.add_scene()?;
-        let places = std::mem::take(&mut self.places);
-        Ok((self.finish()?, places))
-    }
-
-    fn add_scene(&mut self) -> Result<(), Fault> {
+    /// The mesh, and the node of each object with its transform. Complexity: O(bytes + repetition).
+    pub fn read(mut self) -> Result<(SourceMesh, Vec<(u32, DAffine3)>), Fault> {
         if self.data.document.nodes.is_empty() {
             // A library of meshes without a scene.
             for (index, mesh) in self.data.document.meshes.iter().enumerate() {
@@ -129,7 +118,8 @@ impl<'a> SceneReader<'a> {
         } else {
             self.add_nodes()?;
         }
-        Ok(())
+        let places = std::mem::take(&mut self.places);
+        Ok((self.finish()?, places))
     }
 
     /// Visits the nodes depth first. Not recursive: a chain of nodes can be as long as the list.

@@ -242,11 +242,12 @@ fn weights_are_ignored_with_one_warning() {
 /// Windows PowerShell writes `>` as UTF-16.
 #[test]
 fn utf_16_with_a_byte_order_mark_is_decoded() {
-    let text = "# é\r\nv 0 0 0\r\nv 1 0 0\r\nl 1 2\r\nv 1 x\r\n";
+    let text = "o é 😀\r\nv 0 0 0\r\nv 1 0 0\r\nl 1 2\r\nv 1 x\r\n";
     let units: Vec<u16> = std::iter::once(0xFEFF).chain(text.encode_utf16()).collect();
     for bytes in [u16::to_le_bytes, u16::to_be_bytes] {
         let bytes = |units: &[u16]| units.iter().flat_map(|&unit| bytes(unit)).collect::<Vec<u8>>();
-        assert_eq!(vertices(bytes(&units[..units.len() - 7])), [0, 1]);
+        let imported = import(bytes(&units[..units.len() - 7]), OBJECTS);
+        assert_eq!(sets_of(&imported), [("é 😀", &[0, 1][..])]);
         fails(import_file("a.obj", bytes(&units), WHOLE), "a.obj:5: `v` has 2 of 3 coordinates");
         fails(import_file("a.obj", bytes(&units[..1]), WHOLE), "a.obj: the file is empty");
     }
