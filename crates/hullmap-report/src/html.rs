@@ -74,9 +74,9 @@ pub fn facts(rows: &[(&str, String)]) -> String {
     rows.iter().map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n")).collect()
 }
 
-/// A table that scrolls within the page. `heads` are divided by ` | `; a column of words has a colon
-/// behind its head. Rows have attributes of their element and cells of HTML; the last row may be the
-/// sums.
+/// A table that scrolls within the page. `heads` are divided by ` | `; a column of words has a
+/// colon behind its head. Rows have attributes of their element and cells of HTML; the last row may
+/// be the sums.
 pub fn table(label: &str, heads: &str, rows: &[(String, Vec<String>)], has_sums: bool) -> String {
     let class = |head: &str| match head {
         "hull:" | "part:" | "link:" => " class=\"word name\"",

@@ -50,7 +50,8 @@ impl Dialect {
                 Change::Remove { .. } => edits.push(removed(node, text)),
                 Change::Inertia { .. } | Change::Exclude { .. } => {}
                 Change::Replace { .. } => {
-                    // The first mesh replaces the old one. Each other mesh gets a copy of the element.
+                    // The first mesh replaces the old one. Each other mesh gets a copy of the
+                    // element.
                     let Some((first, others)) = meshes.and_then(<[String]>::split_first) else { continue };
                     edits.extend((self.with_mesh)(node, text, first));
                     for (index, mesh) in (1..).zip(others) {

@@ -53,10 +53,10 @@ pub fn buffer_paths(bytes: &[u8]) -> Result<Vec<String>, LineFault> {
     buffers::paths(&container::open(bytes)?)
 }
 
-/// The mesh of the scene, and the node of each object with its transform to the scene. `beside` holds
-/// the files of [`buffer_paths`]. With `reads_colliders`, colliders of physics extensions are objects
-/// too, see [`physics`], but have no entry in that list. Complexity: O(bytes + vertices of all
-/// instances).
+/// The mesh of the scene, and the node of each object with its transform to the scene. `beside`
+/// holds the files of [`buffer_paths`]. With `reads_colliders`, colliders of physics extensions are
+/// objects too, see [`physics`], but have no entry in that list. Complexity: O(bytes + vertices of
+/// all instances).
 pub fn read(
     bytes: &[u8],
     beside: &[(String, Vec<u8>)],

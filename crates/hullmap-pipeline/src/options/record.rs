@@ -101,8 +101,8 @@ mod tests {
     use super::*;
     use crate::options::resolved::tests::options;
 
-    /// Options and their record, from rows such as `split=auto lean=true | split auto, …`. The records
-    /// decide which packs are fresh: a change of the rows makes all existing packs stale.
+    /// Options and their record, from rows such as `split=auto lean=true | split auto, …`. The
+    /// records decide which packs are fresh: a change of the rows makes all existing packs stale.
     fn records() -> Vec<(BuildOptions, &'static str)> {
         let row = |row: &'static str| {
             let (pairs, record) = row.split_once(" | ").unwrap();
