@@ -368,8 +368,20 @@ fn supporting(spots: &[Spot], mut choice: Choice, center: DVec2, allowed: f64) -
     }
     match choice.left_out(spots, center) {
         Some((below, Some(_))) if below > allowed => lowest(spots, choice, center),
+        // No single exchange brings the centre over the chosen points.
+        None => over(spots, choice.indices[0], center).map_or(choice, |triangle| lowest(spots, triangle, center)),
         _ => choice,
     }
+}
+
+/// A triangle with a given corner below the centre; `None` if the centre is not over the spots. The
+/// triangles of a spot and the edges of the spots' outline cover all that the outline encloses.
+fn over(spots: &[Spot], corner: usize, center: DVec2) -> Option<Choice> {
+    let mut pairs = (0..spots.len()).flat_map(|j| (0..j).map(move |i| [corner, i, j]));
+    let corners = pairs.find(|corners| Plane::of_triangle(corners.map(|i| spots[i]), center).is_some())?;
+    let mut triangle = Choice::default();
+    corners.into_iter().for_each(|i| triangle.push(i));
+    Some(triangle)
 }
 
 /// The triangle on which the body rests if nothing is left out, and the fourth point that spans the
@@ -450,7 +462,7 @@ mod tests {
     #[test]
     fn no_corner_is_left_out_that_is_below_the_plane_of_rest() {
         let (mut seed, mut exchanged) = (3_u64, 0);
-        for trial in 0..2000 {
+        for trial in 0..20_000 {
             let spots = bowl(&mut seed, 5 + trial % 28, 0.01);
             let center = DVec2::new(random(&mut seed) - 0.5, random(&mut seed) - 0.5) * 0.4;
             let slight = 0.001;
@@ -480,7 +492,7 @@ mod tests {
             );
             exchanged += usize::from(chosen != largest(&spots, slight));
         }
-        assert!(exchanged > 200, "the largest area alone would do in all but {exchanged} trials");
+        assert!(exchanged > 2000, "the largest area alone would do in all but {exchanged} trials");
     }
 
     /// If depths differed by less than the tolerance, the largest area decided, and the deepest
