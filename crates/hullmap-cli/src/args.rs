@@ -97,7 +97,7 @@ pub enum Command {
     #[command(after_help = "Example:\n  bake query baked/rock.hullmap baked/cube.hullmap --pose \"0.5 0 0 0 0 0 1\"")]
     Query(QueryArgs),
     /// Write a hullmap.toml with every option commented out
-    #[command(after_help = "Example:\n  bake init assets")]
+    #[command(after_help = "Example:\n  bake init")]
     Init(InitArgs),
     /// Share one build between many machines
     #[command(
@@ -144,6 +144,9 @@ pub struct MeshArgs {
     /// Mesh files (OBJ, glTF, GLB, STL, PLY, COLLADA, MSH), or folders to search for them
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
+    /// The meshes and folders of a project that were named, if `inputs` are its sources.
+    #[arg(skip)]
+    pub only: Vec<PathBuf>,
     #[command(flatten)]
     pub options: OptionFlags,
     #[command(flatten)]
@@ -170,6 +173,7 @@ impl MeshArgs {
         let own = self.clone();
         Selection {
             inputs: own.inputs,
+            only: own.only,
             options: own.options.0,
             config: own.config,
             exclude: own.exclude,
@@ -211,7 +215,7 @@ pub struct BuildArgs {
     /// Bake nothing; list stale and missing packs, and exit with 1 if there are any
     #[arg(long, conflicts_with_all = ["force", "verify", "watch", "depfile"], help_heading = RUNNING)]
     pub check: bool,
-    /// Remove packs whose source is gone; with --check, only report them
+    /// Remove packs whose source is gone; with --check, exit with 1 if there are any
     #[arg(long, hide_short_help = true, help_heading = FILES)]
     pub prune: bool,
     /// Verify each pack before it replaces the old one
@@ -504,7 +508,7 @@ pub enum Mode {
 
 #[derive(Debug, clap::Args)]
 pub struct InitArgs {
-    /// Folder of the meshes [default: the current folder]
+    /// Root folder of the project [default: the current folder]
     #[arg(value_name = "DIR", default_value = ".", hide_default_value = true)]
     pub folder: PathBuf,
 }
@@ -582,7 +586,12 @@ where
     let words: Vec<OsString> = words.into_iter().map(Into::into).collect();
     let words = joined(&words);
     let completed = |error| match project::completed(&words, &error, command(&program(&words))) {
-        Ok(Some(words)) => parse_words(&words),
+        Ok(Some(completed)) => parse_words(&completed.words).map(|mut cli| {
+            if let Some((sources, meshes)) = completed.sources.zip(cli.command.meshes_mut()) {
+                meshes.only = std::mem::replace(&mut meshes.inputs, sources);
+            }
+            cli
+        }),
         Ok(None) => Err(error),
         Err(failure) => Err(clap::Error::raw(ErrorKind::Io, format!("{failure}\n"))),
     };
@@ -650,14 +659,20 @@ impl Command {
         }
     }
 
-    fn options(&self) -> Option<&OptionFlags> {
+    fn options(&mut self) -> Option<&OptionFlags> {
         match self {
-            Self::Build(args) => Some(&args.meshes.options),
             Self::Robot(args) => Some(&args.options),
-            Self::Farm(Farm::Build(args)) => Some(&args.build.meshes.options),
-            Self::Farm(Farm::Key(args)) => Some(&args.meshes.options),
-            Self::Farm(Farm::Plan(args)) => Some(&args.meshes.options),
-            Self::Farm(Farm::Status(args)) => Some(&args.meshes.options),
+            _ => self.meshes_mut().map(|meshes| &meshes.options),
+        }
+    }
+
+    fn meshes_mut(&mut self) -> Option<&mut MeshArgs> {
+        match self {
+            Self::Build(args) => Some(&mut args.meshes),
+            Self::Farm(Farm::Build(args)) => Some(&mut args.build.meshes),
+            Self::Farm(Farm::Key(args)) => Some(&mut args.meshes),
+            Self::Farm(Farm::Plan(args)) => Some(&mut args.meshes),
+            Self::Farm(Farm::Status(args)) => Some(&mut args.meshes),
             _ => None,
         }
     }

@@ -127,13 +127,21 @@ pub fn find_source(
     }
     match (rejected, given) {
         (Some(message), _) => Err(Failure::rejected(message)),
-        (None, Some(given)) => Err(Failure::usage(format!(
-            "{}: no source found in {}; expected {}.{}",
-            place.path.display(),
-            given.display(),
-            place.path.file_stem().unwrap_or_default().display(),
-            EXTENSIONS.join("|")
-        ))),
+        (None, Some(given)) => {
+            let (pack, given) = (place.path.display(), given.display());
+            let stem = place.path.file_stem().unwrap_or_default();
+            let extensions = EXTENSIONS.join("|");
+            let name = if is_source(Path::new(stem)) {
+                stem.display().to_string()
+            } else {
+                format!("{}.{extensions}", stem.display())
+            };
+            let below = place.below.join(name);
+            Err(Failure::usage(format!(
+                "{pack}: no source found in {given}; expected {} there, or leave out --source",
+                below.display()
+            )))
+        }
         (None, None) => Ok(SourceSearch::Absent(not_followed)),
     }
 }

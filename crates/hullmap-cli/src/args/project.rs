@@ -1,5 +1,5 @@
 //! A build without arguments: the nearest `hullmap.toml` names the meshes and the folder of packs.
-//! A build of some of its meshes writes their packs where the whole build does.
+//! A build of some of its meshes is a part of the whole build: packs have the same names and places.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -8,13 +8,21 @@ use std::sync::Arc;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgMatches, Command};
 
-use hullmap_pipeline::config::Configs;
+use hullmap_pipeline::config::{Config, Configs};
 use hullmap_pipeline::outcome::Failure;
 use hullmap_pipeline::pack_file::folder_of;
+use hullmap_pipeline::project::ROOT_MARKS;
+
+pub struct Completed {
+    pub words: Vec<OsString>,
+    /// The sources of the project, if the inputs are some of its meshes or folders.
+    pub sources: Option<Vec<PathBuf>>,
+}
 
 /// The words with the arguments that `error` misses; `None` if no `hullmap.toml` has them. The file
-/// is the one that applies to the inputs, or to the current folder if there are none.
-pub fn completed(words: &[OsString], error: &clap::Error, command: Command) -> Result<Option<Vec<OsString>>, Failure> {
+/// is the nearest one with an output, at or above the inputs, or the current folder if there are
+/// none.
+pub fn completed(words: &[OsString], error: &clap::Error, command: Command) -> Result<Option<Completed>, Failure> {
     let missing = match error.get(ContextKind::InvalidArg) {
         Some(ContextValue::Strings(missing)) if error.kind() == ErrorKind::MissingRequiredArgument => missing,
         _ => return Ok(None),
@@ -26,32 +34,23 @@ pub fn completed(words: &[OsString], error: &clap::Error, command: Command) -> R
         return Ok(None);
     }
     let mut configs = Configs::new(given.get_one::<PathBuf>("config").map(PathBuf::as_path))?;
-    let inputs = given.get_many::<PathBuf>("inputs").unwrap_or_default();
+    let inputs: Vec<PathBuf> = given.get_many::<PathBuf>("inputs").unwrap_or_default().cloned().collect();
     let folder = |input: &PathBuf| if input.is_dir() { input.clone() } else { folder_of(input).to_owned() };
-    let mut folders: Vec<PathBuf> = inputs.map(folder).collect();
+    let mut folders: Vec<PathBuf> = inputs.iter().map(folder).collect();
     if folders.is_empty() {
         folders.push(Path::new(".").to_owned());
     }
-    let found = folders.iter().map(|folder| configs.of_folder(folder)).collect::<Result<Vec<_>, _>>()?;
+    let found = folders.iter().map(|folder| with_output(&mut configs, folder)).collect::<Result<Vec<_>, _>>()?;
     let [Some(config), others @ ..] = found.as_slice() else { return Ok(None) };
     let is_same = |other: &Option<_>| other.as_ref().is_some_and(|other| Arc::ptr_eq(config, other));
     if !others.iter().all(is_same) {
         return Ok(None);
     }
-    let mut words = words.to_vec();
+    let (mut words, sources) = (words.to_vec(), config.sources());
     if is_missing("--out ") {
         let Some(output) = config.output()? else { return Ok(None) };
-        let sources = config.sources();
-        let mut below = folders.iter().map(|folder| below(folder, &sources).unwrap_or_default());
-        let first = below.next().unwrap_or_default();
-        if below.any(|other| other != first) {
-            return Err(Failure::usage(
-                "the inputs lie in different folders of the project; run `bake build` without inputs, which bakes only \
-                 what changed, or name the folder of the packs with --out",
-            ));
-        }
         let mut out = OsString::from("--out=");
-        out.push(output.join(first));
+        out.push(output);
         let end = words.iter().position(|word| word == "--").unwrap_or(words.len());
         words.insert(end, out);
     }
@@ -59,16 +58,41 @@ pub fn completed(words: &[OsString], error: &clap::Error, command: Command) -> R
         if !words.iter().any(|word| word == "--") {
             words.push("--".into());
         }
-        words.extend(config.sources().into_iter().map(OsString::from));
+        words.extend(sources.iter().map(OsString::from));
     }
-    Ok(Some(words))
+    let is_part = !inputs.is_empty() && is_missing("--out ") && inputs.iter().all(|input| is_of(input, &sources));
+    Ok(Some(Completed { words, sources: is_part.then_some(sources) }))
 }
 
-/// The path of a folder below the first of the sources that holds it.
-fn below(folder: &Path, sources: &[PathBuf]) -> Option<PathBuf> {
-    let folder = folder.canonicalize().ok()?;
-    let roots = sources.iter().filter_map(|source| source.canonicalize().ok());
-    roots.filter_map(|root| folder.strip_prefix(root).ok().map(Path::to_owned)).next()
+/// The nearest file with an output; the nearest file if none has one.
+fn with_output(configs: &mut Configs, folder: &Path) -> Result<Option<Arc<Config>>, Failure> {
+    let nearest = configs.of_folder(folder)?;
+    let mut found = nearest.clone();
+    while let Some(config) = &found {
+        if config.output()?.is_some() {
+            return Ok(found);
+        }
+        let folder = folder_of(&config.path);
+        if ROOT_MARKS.iter().any(|mark| folder.join(mark).exists()) {
+            break;
+        }
+        let above = match folder.parent() {
+            Some(above) if !above.as_os_str().is_empty() => above,
+            _ if folder == Path::new(".") => Path::new(".."),
+            _ => Path::new("."),
+        };
+        let next = configs.of_folder(above)?;
+        let is_end = next.as_ref().is_some_and(|next| Arc::ptr_eq(config, next));
+        found = next.filter(|_| !is_end);
+    }
+    Ok(nearest)
+}
+
+/// Whether an input is in one of the sources, or holds one.
+fn is_of(input: &Path, sources: &[PathBuf]) -> bool {
+    let Ok(input) = input.canonicalize() else { return false };
+    let mut sources = sources.iter().filter_map(|source| source.canonicalize().ok());
+    sources.any(|source| input.starts_with(&source) || source.starts_with(&input))
 }
 
 fn optional(command: Command) -> Command {

@@ -103,7 +103,7 @@ pub fn jobs(selection: &Selection, out: &Path, say: &mut dyn FnMut(Message)) -> 
         } else {
             let (source, config) = (mesh.source.display(), config.unwrap_or_default());
             let text = format!("{source}: left out, because {} sets skip = true", config.display());
-            let is_named = selection.inputs.contains(&mesh.source);
+            let is_named = selection.inputs.iter().chain(&selection.only).any(|input| *input == mesh.source);
             say(if is_named { Message::Note(text) } else { Message::Detail(text) });
         }
     }
@@ -133,7 +133,22 @@ pub fn jobs(selection: &Selection, out: &Path, say: &mut dyn FnMut(Message)) -> 
         inputs: Vec::new(),
         key: String::new(),
     };
-    let jobs: Vec<Job> = chosen.into_iter().zip(names).map(job).collect();
+    let mut jobs: Vec<Job> = chosen.into_iter().zip(names).map(job).collect();
+    let mut empty = empty;
+    if !selection.only.is_empty() {
+        let only: Vec<PathBuf> = selection.only.iter().filter_map(|path| path.canonicalize().ok()).collect();
+        let is_chosen =
+            |path: &Path| path.canonicalize().is_ok_and(|path| only.iter().any(|folder| path.starts_with(folder)));
+        jobs.retain(|job| is_chosen(&job.source));
+        unread.retain(|unread| is_chosen(&unread.source));
+        empty.retain(|folder| is_chosen(folder));
+        if jobs.is_empty() && unread.is_empty() && empty.is_empty() {
+            return Err(Failure::usage(format!(
+                "{}: the build of the project has no mesh here; to bake others, name the folder of the packs with --out",
+                selection.only[0].display()
+            )));
+        }
+    }
     let unused = selection.options.without_effect(jobs.iter().map(|job| &job.options));
     if let Some(unused) = unused.filter(|_| !jobs.is_empty()) {
         return Err(Failure::usage(unused.message(flag)));
@@ -141,7 +156,9 @@ pub fn jobs(selection: &Selection, out: &Path, say: &mut dyn FnMut(Message)) -> 
     let is_cut_by = |config: &Path| {
         jobs.iter().any(|job| job.config.as_deref() == Some(config) && job.options.decompose().is_some())
     };
-    configs.warnings(&selection.inputs, is_cut_by).into_iter().map(Message::Warning).for_each(&mut *say);
+    if selection.only.is_empty() {
+        configs.warnings(&selection.inputs, is_cut_by).into_iter().map(Message::Warning).for_each(&mut *say);
+    }
     if let Some(unread) = in_words(unread.iter().map(|unread| unread.source.as_path())) {
         say(Message::Note(format!("not read: {unread}; export them as {NAMES}, or leave them out with --exclude")));
     }

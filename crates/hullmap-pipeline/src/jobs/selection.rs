@@ -10,6 +10,8 @@ use crate::options::OptionLayer;
 pub struct Selection {
     /// Meshes, and folders to search for them.
     pub inputs: Vec<PathBuf>,
+    /// Only these meshes of the inputs, and meshes in these folders; empty for all.
+    pub only: Vec<PathBuf>,
     /// Options that override `hullmap.toml`.
     pub options: OptionLayer,
     /// The `hullmap.toml` of all meshes, or `none`; otherwise the nearest one above each.

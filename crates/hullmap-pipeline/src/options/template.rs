@@ -27,23 +27,23 @@ const RULES: &str = r#"
 # ignored.
 #
 # [[rule]]
-# files = "props/**"
+# files = "assets/props/**"
 # index = "compact"
 #
 # [[rule]]
-# files = ["*_collision.obj", "vehicles/*.obj"]
+# files = ["*_collision.obj", "assets/vehicles/*.obj"]
 # split = "object"
 #
 # [[rule]]
-# files = "levels/**"
+# files = "assets/levels/**"
 # keep_triangles = true
 #
 # [[rule]]
-# files = "ground/*.png"
+# files = "assets/ground/*.png"
 # terrain = true
 #
 # [[rule]]
-# files = "lods/**"
+# files = "assets/lods/**"
 # skip = true
 "#;
 

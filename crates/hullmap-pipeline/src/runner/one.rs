@@ -296,7 +296,10 @@ fn fill_from_file(asset: &Asset, row: &mut Row) {
     match asset {
         Asset::Pack(pack) => {
             row.hulls = Some(pack.hull_count());
-            row.vertices_in = Some(pack.hulls().map(|hull| hull.source_point_count() as usize).sum());
+            // Parts record their own points, not the mesh's.
+            let has_parts = BuildOptions::from_recorded(pack.options()).is_none_or(|own| own.decompose().is_some());
+            let points = pack.hulls().map(|hull| hull.source_point_count() as usize);
+            row.vertices_in = (!has_parts).then(|| points.sum());
             row.vertices_hull = Some(pack.hulls().map(|hull| hull.vertex_count()).sum());
             row.ranks = Some(pack.hulls().map(|hull| hull.rank()).collect());
         }

@@ -24,6 +24,9 @@ pub fn run(args: &BuildArgs, project: &Path, baker: &Baker, out: &mut Output) ->
 
 /// The files to bake, with options. If `warns`, prints warnings about options without effect.
 pub fn find_jobs(args: &BuildArgs, warns: bool) -> Result<Jobs, Failure> {
+    if args.prune && !args.meshes.only.is_empty() {
+        return Err(Failure::usage("--prune: needs the build of the whole project; name no inputs"));
+    }
     if args.prune && !bakes_folders(args) {
         let message = "--prune has no effect, because no input is a folder; name the folder of the meshes";
         return Err(Failure::usage(message));
@@ -80,7 +83,7 @@ pub fn build(
         exit = exit.max(Exit::Usage);
         rows.push(row);
     }
-    if bakes_folders(args) {
+    if bakes_folders(args) && args.meshes.only.is_empty() {
         // A folder without meshes may be on a disk that is missing: its packs are kept.
         let inputs: Vec<PathBuf> = args.meshes.inputs.iter().filter(|input| !empty.contains(input)).cloned().collect();
         let orphans = orphans::find(&args.out, &inputs, jobs, project);

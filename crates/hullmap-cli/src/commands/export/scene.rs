@@ -135,7 +135,8 @@ impl Added<'_> {
             }
         }
         let hulls = obj::objects(&bodies, true, found.vertex_count);
-        Ok(sealed([text.trim_end().as_bytes(), format!("\n# Hulls, {SEAL}\n").as_bytes(), &hulls].concat()))
+        let meshes = with_groups(text, stem, self.args.name.as_deref());
+        Ok(sealed([meshes.as_bytes(), format!("# Hulls, {SEAL}\n").as_bytes(), &hulls].concat()))
     }
 
     fn import_options(&self) -> ImportOptions {
@@ -351,6 +352,33 @@ impl Document {
         }
         Ok(parents)
     }
+}
+
+/// The text of an OBJ file in which each object is one group of the same name: Unreal names a mesh
+/// by its group, and makes a mesh of each. Without `name`, an object keeps its own, or has the stem of
+/// the file.
+fn with_groups(text: &str, stem: &str, name: Option<&str>) -> String {
+    let (mut grouped, mut is_named) = (String::with_capacity(text.len()), false);
+    for line in text.trim_end().lines() {
+        let (word, rest) = line.trim().split_once(char::is_whitespace).unwrap_or((line.trim(), ""));
+        match word {
+            "o" => {
+                grouped += &format!("{line}\ng {}\n", name.unwrap_or(rest));
+                is_named = true;
+                continue;
+            }
+            "g" => grouped += "# ",
+            "f" | "l" | "p" if !is_named => {
+                let name = name.unwrap_or(stem).replace(['\n', '\r'], "_");
+                grouped += &format!("o {name}\ng {name}\n");
+                is_named = true;
+            }
+            _ => {}
+        }
+        grouped += line;
+        grouped.push('\n');
+    }
+    grouped
 }
 
 /// Warns of scaled nodes: Godot supports no scaled bodies.
