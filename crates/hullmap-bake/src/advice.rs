@@ -5,7 +5,7 @@
 use std::collections::HashMap;
 
 use crate::decompose::Cover;
-use crate::fit::{self, Looseness};
+use crate::fit::{self, Looseness, SolidRule};
 use crate::{baked_hull::BakedHull, fit::Fit, mass};
 use hullmap_format::SolidKind;
 use hullmap_geometry::PointSet;
@@ -326,6 +326,21 @@ pub fn parts(name: &str, count: usize, fit: Option<PartsFit>, size: f64, estimat
     Remark::by_size("parts", name, text, uncovered, size, "to cover more, decompose the mesh with --decompose")
 }
 
+/// Number of parts above which walls may not be meant.
+const MANY_WALLS: usize = 64;
+
+/// Warning about a mesh whose walls became many parts, without a request for walls.
+pub fn many_walls(name: &str, count: usize, fit: Option<PartsFit>, cover: &Cover) -> Option<Remark> {
+    let is_walls = fit.is_some_and(|fit| fit.solid == SolidKind::Walls) && cover.solid == SolidRule::Auto;
+    (is_walls && count > MANY_WALLS).then(|| {
+        let text = format!(
+            "{name}: the mesh is open, and its walls became {count} parts; if it is solid, add --solid closed, otherwise \
+             increase --max-error"
+        );
+        Remark { weight: count as f64, ..Remark::warning("many walls", name, text) }
+    })
+}
+
 /// Area of closed holes, relative to the mesh's, above which they may be intended openings.
 const OPENING: f64 = 0.05;
 
@@ -560,6 +575,18 @@ mod tests {
             "a: parts extend up to 0.039 (1.95% of the diagonal) beyond the convex hull of the mesh, because 64";
         assert!(!note.is_warning && note.text.starts_with(words) && note.text.contains("--max-vertices"), "{note:?}");
         assert!([0.02, 0.0, f64::NAN].into_iter().all(|outside| bulge("a", outside, 2.0, &cover).is_none()));
+    }
+
+    #[test]
+    fn many_parts_of_walls_that_were_not_requested_are_a_warning() {
+        let cover = Cover::default();
+        let fit = |solid| Some(PartsFit { solid, uncovered: 0.0, protrusion: 0.1 });
+        let walls = fit(SolidKind::Walls);
+        let remark = many_walls("a", 65, walls, &cover).unwrap();
+        assert!(remark.is_warning && remark.text.contains("became 65 parts; if it is solid, add --solid closed"));
+        assert!(many_walls("a", 64, walls, &cover).is_none());
+        assert!(many_walls("a", 65, fit(SolidKind::Closed), &cover).is_none());
+        assert!(many_walls("a", 65, walls, &Cover { solid: SolidRule::Walls, ..cover }).is_none());
     }
 
     #[test]

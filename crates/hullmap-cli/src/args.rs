@@ -434,11 +434,13 @@ pub enum FromVisual {
 }
 
 /// Options that `bake robot` does not take, because the description decides.
-pub const DECIDED_BY_ROBOTS: [&str; 8] =
-    ["split", "unit_scale", "up_axis", "recentre", "pack_names", "record_source", "keep_triangles", "terrain"];
+#[rustfmt::skip]
+pub const DECIDED_BY_ROBOTS: [&str; 9] = [
+    "split", "unit_scale", "up_axis", "recentre", "pack_names", "record_source", "keep_triangles", "terrain", "primitives",
+];
 
 pub fn reason_of_robots(key: &str) -> &'static str {
-    let chooses = ["keep_triangles", "terrain"].contains(&key);
+    let chooses = ["keep_triangles", "terrain", "primitives"].contains(&key);
     if chooses { "whose collisions become hulls" } else { "whose descriptions state it" }
 }
 

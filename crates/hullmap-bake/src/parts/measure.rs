@@ -75,6 +75,7 @@ pub fn parts(
                 let alone = is_free.then(|| vertices_of_one_part(points, &cover.solid_of(points), cover)).flatten();
                 measured.remarks.extend(alone.map(|count| advice::divided_by_vertices(name, count, cover)));
                 measured.remarks.push(about_parts(name, own, words.as_deref()));
+                measured.remarks.extend(advice::many_walls(name, own.len(), parts_fit(own), cover));
             }
         }
         steps.take();
@@ -118,8 +119,12 @@ pub fn solid_of(mesh: &PointSet, cover: Option<&Cover>) -> Solid {
 
 fn about_parts(name: &str, own: &[BakedHull], estimates: Option<&str>) -> Remark {
     let size = own.iter().map(|baked| baked.hull.diameter).fold(0.0, f64::max);
+    advice::parts(name, own.len(), parts_fit(own), size, estimates)
+}
+
+fn parts_fit(own: &[BakedHull]) -> Option<advice::PartsFit> {
     let fits: Option<Vec<Fit>> = own.iter().map(|baked| baked.fit).collect();
-    advice::parts(name, own.len(), fits.as_deref().map(advice::PartsFit::from_fits), size, estimates)
+    fits.as_deref().map(advice::PartsFit::from_fits)
 }
 
 /// Counts and measures the parts of one mesh, and records both in their hulls, with the mass of the

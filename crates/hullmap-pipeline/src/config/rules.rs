@@ -1,6 +1,7 @@
 //! The rules of a `hullmap.toml`: options for all meshes, for meshes that globs match, and for
 //! links of robots.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use crate::glob::Glob;
@@ -70,9 +71,18 @@ impl Config {
         rules.filter_map(|rule| rule.skip).next_back().unwrap_or(false)
     }
 
-    /// Options for a mesh of a link, and whether the mesh is left alone.
-    pub fn of_link(&self, link: &str, below: Option<&Path>, name: &Path) -> (OptionLayer, bool) {
-        let rules: Vec<&Rule> = self.rules.iter().filter(|rule| rule.matches_link(link, below, name)).collect();
+    /// Options for a mesh of a link, and whether the mesh is left alone. Adds the indices of the
+    /// rules that match to `used`.
+    pub fn of_link(
+        &self,
+        link: &str,
+        below: Option<&Path>,
+        name: &Path,
+        used: &mut BTreeSet<usize>,
+    ) -> (OptionLayer, bool) {
+        let matching = (0..).zip(&self.rules).filter(|(_, rule)| rule.matches_link(link, below, name));
+        let (indices, rules): (Vec<usize>, Vec<&Rule>) = matching.unzip();
+        used.extend(indices);
         let layer = rules.iter().fold(self.defaults.clone(), |lower, rule| rule.layer.laid_over(&lower));
         (layer, rules.iter().filter_map(|rule| rule.skip).next_back().unwrap_or(false))
     }

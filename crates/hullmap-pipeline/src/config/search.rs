@@ -8,7 +8,8 @@ use std::sync::Arc;
 
 use super::rules::Rule;
 use super::{Config, FILE_NAME};
-use crate::options::OptionLayer;
+use crate::options::table::OPTIONS;
+use crate::options::{OptionLayer, flag};
 use crate::outcome::Failure;
 use crate::pack_file::folder_of;
 use crate::project::ROOT_MARKS;
@@ -98,7 +99,8 @@ impl Configs {
         let name = Path::new(mesh.file_name().unwrap_or_default());
         let folder = canonical(folder_of(mesh))?;
         let below = folder.strip_prefix(&root).ok().map(|below| below.join(name));
-        let (layer, skips) = config.of_link(link, below.as_deref(), name);
+        let (_, used) = self.used.entry(root).or_insert_with(|| (config.clone(), BTreeSet::new()));
+        let (layer, skips) = config.of_link(link, below.as_deref(), name, used);
         Ok(Chosen { layer, skips, config: Some(config) })
     }
 
@@ -129,6 +131,39 @@ impl Configs {
             }
         }
         warnings
+    }
+
+    /// Warnings about rules of links without a link, after [`of_link`](Self::of_link) was called for
+    /// each mesh of each link.
+    pub fn warnings_of_links(&self) -> Vec<String> {
+        let unused = self.used.values().flat_map(|(config, used)| {
+            let rules = (0..).zip(&config.rules).filter(|(rule, own)| !own.links.is_empty() && !used.contains(rule));
+            rules.map(|(_, rule)| {
+                let globs: Vec<String> = rule.links.iter().map(|glob| format!("`{}`", glob.text)).collect();
+                format!("{}:{}: no mesh of a link matches {}", config.path.display(), rule.line, globs.join(" or "))
+            })
+        });
+        unused.collect()
+    }
+
+    /// Notes on options of rules that `flags`, from the command line, override.
+    pub fn overridden(&self, flags: &OptionLayer) -> Vec<String> {
+        let mut notes = Vec::new();
+        for (config, used) in self.used.values() {
+            for rule in used.iter().map(|rule| &config.rules[*rule]) {
+                for (at, option) in OPTIONS.iter().enumerate() {
+                    let [own, given] = [&rule.layer, flags].map(|layer| layer.value_at(at));
+                    if own.is_some() && given.is_some() && own != given {
+                        let (file, line, key) = (config.path.display(), rule.line, option.key);
+                        let flag = flag(key);
+                        notes.push(format!(
+                            "{file}:{line}: {key} of this rule has no effect, because {flag} overrides it"
+                        ));
+                    }
+                }
+            }
+        }
+        notes
     }
 
     fn nearest(&mut self, folder: &Path, shown: &Path) -> Result<Option<Arc<Config>>, Failure> {

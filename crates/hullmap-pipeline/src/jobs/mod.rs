@@ -156,6 +156,7 @@ pub fn jobs(selection: &Selection, out: &Path, say: &mut dyn FnMut(Message)) -> 
     let is_cut_by = |config: &Path| {
         jobs.iter().any(|job| job.config.as_deref() == Some(config) && job.options.decompose().is_some())
     };
+    configs.overridden(&selection.options).into_iter().map(Message::Note).for_each(&mut *say);
     if selection.only.is_empty() {
         configs.warnings(&selection.inputs, is_cut_by).into_iter().map(Message::Warning).for_each(&mut *say);
     }

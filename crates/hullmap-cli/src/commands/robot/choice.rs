@@ -211,7 +211,7 @@ fn has_hulls(link: &Link) -> bool {
     })
 }
 
-fn matches(glob: &hullmap_pipeline::glob::Glob, link: &str) -> bool {
+pub fn matches(glob: &hullmap_pipeline::glob::Glob, link: &str) -> bool {
     glob.matches(Some(Path::new(link)), Path::new(link))
 }
 

@@ -38,7 +38,14 @@ impl Mesh {
             Some(fits(&self.points, &[&hull], None)?.first()?.protrusion)
         })
     }
+
+    pub fn is_concave(&self) -> bool {
+        self.protrusion().is_some_and(|protrusion| protrusion > CONCAVE * self.points.diagonal())
+    }
 }
+
+/// Protrusion of a hull, relative to the diagonal of its mesh, above which the mesh is concave.
+const CONCAVE: f64 = 0.02;
 
 pub struct Meshes {
     limits: Limits,

@@ -37,10 +37,11 @@ use hullmap_robot::{
 use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs, reason_of_robots};
 use crate::interrupt;
 use crate::rows::{Notes, run_jobs};
-use crate::terminal::Output;
+use crate::terminal::{self, Output};
 use choice::{Choice, Choices, Chooser};
 use hullmap_pipeline::baker::bake_pack;
 use hullmap_pipeline::config::Configs;
+use hullmap_pipeline::glob::Glob;
 use hullmap_pipeline::jobs::Job;
 use hullmap_pipeline::mesh_file::place::{OutputFile, State};
 use hullmap_pipeline::options::flag;
@@ -92,6 +93,11 @@ pub fn run(args: &RobotArgs, out: &mut Output) -> Result<Exit, Failure> {
         });
         robots.push((row, prepared));
     }
+    for glob in args.exclude.iter().filter(|glob| !robots.iter().any(|(_, robot)| has_link(robot, glob))) {
+        terminal::warning(format_args!("--exclude: no link matches `{}`", glob.text));
+    }
+    configs.warnings_of_links().iter().for_each(terminal::warning);
+    configs.overridden(&args.options.0).iter().for_each(terminal::note);
     let baked = bake(args, &robots, project)?;
     let mut exit = Exit::Done;
     let mut rows = Vec::new();
@@ -120,6 +126,11 @@ pub fn run(args: &RobotArgs, out: &mut Output) -> Result<Exit, Failure> {
         false => rows.iter().try_for_each(|row| row.write(args.run.verbose, out)),
     };
     end(exit, written)
+}
+
+/// Whether a description has a link of this name. One that cannot be read may have it.
+fn has_link(robot: &Result<Robot, Vec<Failure>>, glob: &Glob) -> bool {
+    robot.as_ref().map_or(true, |robot| robot.description.links.iter().any(|link| choice::matches(glob, &link.name)))
 }
 
 fn millis(start: Instant) -> f64 {
@@ -275,6 +286,7 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
         if args.exclude_pairs {
             changes.push(pairs.change());
             outputs.extend(exclude(args, &description, &target, &pairs, row)?);
+            row.warnings.extend(pairs.filled(&description, &choices, &hulls, &mut meshes));
         }
         if args.report.is_some() {
             let gatherer =

@@ -23,6 +23,9 @@ const MAX_SHAPES: usize = 10_000;
 /// Maximum length of a list of what is not tested.
 const MAX_SKIPPED: usize = 100_000;
 
+/// Maximum number of pairs in a warning.
+const NAMED: usize = 5;
+
 #[derive(Clone, Copy, Debug)]
 pub struct Sampling {
     pub count: u32,
@@ -105,6 +108,43 @@ impl Pairs {
 
     pub fn change(&self) -> Change {
         Change::Exclude { pairs: self.excluded.iter().map(|pair| pair.links).collect(), comment: self.in_words() }
+    }
+
+    /// Warning about pairs of a URDF file that may touch only because a hull fills a concavity. Other
+    /// programs would test the triangles, and find a contact when the pose changes.
+    pub fn filled(
+        &self,
+        description: &Description,
+        choices: &Choices,
+        hulls: &[Hulls],
+        meshes: &mut Meshes,
+    ) -> Option<String> {
+        if self.format != Format::Urdf {
+            return None;
+        }
+        let mut is_filled = vec![false; description.links.len()];
+        for own in &choices.shapes {
+            if let (Choice::Hulls(index), Geometry::Mesh(mesh)) =
+                (&own.choice, &choices.shape(own, description).geometry)
+            {
+                let is_one = !hulls[*index].is_parts;
+                is_filled[own.link] |= is_one && meshes.get(mesh).is_some_and(|mesh| mesh.is_concave());
+            }
+        }
+        let pairs = self.excluded.iter().filter(|pair| pair.reason == "Default");
+        let pairs: Vec<String> = pairs
+            .filter(|pair| pair.links.iter().any(|link| is_filled[*link]))
+            .map(|pair| pair.links.map(|link| description.links[link].name.as_str()).join("-"))
+            .collect();
+        let some = pairs.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
+        let more = if pairs.len() > NAMED { ", …" } else { "" };
+        (!pairs.is_empty()).then(|| {
+            format!(
+                "{}: pairs are excluded because hulls touch, which fill concavities of their meshes: {some}{more}; their \
+                 meshes may meet in other poses: use --decompose",
+                description.path().display()
+            )
+        })
     }
 
     pub fn srdf(&self, description: &Description) -> String {
