@@ -15,8 +15,8 @@ pub const OVERLAP: f64 = 0.05;
 /// Maximum number of vertices of one of several parts, unless [`Cover::max_vertices`] states it.
 pub const PART_VERTICES: u32 = 64;
 
-/// The same for a mesh that one part represents within the error: such a mesh is not divided for
-/// its vertices. Engines allow no more (PhysX).
+/// Maximum number of vertices of the part of a mesh that one part represents within the error, so
+/// that it is not divided for its vertices. Engines allow no more (PhysX).
 pub const ONE_PART_VERTICES: u32 = 255;
 
 /// A length, absolute or relative to the mesh.

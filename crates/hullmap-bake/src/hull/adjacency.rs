@@ -96,7 +96,8 @@ mod tests {
     fn agrees(positions: Vec<[f32; 3]>, name: &str) -> u32 {
         let hull = hull_of(positions);
         let adjacency = Adjacency::new(&hull);
-        // The slow, obvious twin: for each vertex, its neighbours and the faces that they follow it in.
+        // The slow, obvious twin: for each vertex, its neighbours and the faces that they follow it
+        // in.
         let mut lists = vec![BTreeMap::new(); hull.vertices.len()];
         for (face, corners) in (0..).zip(&hull.faces) {
             edges(corners).for_each(|(a, b)| _ = lists[a as usize].insert(b, face));

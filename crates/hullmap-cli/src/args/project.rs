@@ -1,5 +1,6 @@
 //! A build without arguments: the nearest `hullmap.toml` names the meshes and the folder of packs.
-//! A build of some of its meshes is a part of the whole build: packs have the same names and places.
+//! A build of some of its meshes is a part of the whole build: packs have the same names and
+//! places.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};

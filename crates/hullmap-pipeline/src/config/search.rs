@@ -133,8 +133,8 @@ impl Configs {
         warnings
     }
 
-    /// Warnings about rules of links without a link, after [`of_link`](Self::of_link) was called for
-    /// each mesh of each link.
+    /// Warnings about rules of links without a link, after [`of_link`](Self::of_link) was called
+    /// for each mesh of each link.
     pub fn warnings_of_links(&self) -> Vec<String> {
         let unused = self.used.values().flat_map(|(config, used)| {
             let rules = (0..).zip(&config.rules).filter(|(rule, own)| !own.links.is_empty() && !used.contains(rule));

@@ -65,6 +65,26 @@ pub enum Message {
     Detail(String),
 }
 
+impl Jobs {
+    /// Keeps those of these meshes, and of meshes in these folders; all if there are none.
+    fn keep(&mut self, only: &[PathBuf]) -> Result<(), Failure> {
+        let Some(first) = only.first() else { return Ok(()) };
+        let only: Vec<PathBuf> = only.iter().filter_map(|path| path.canonicalize().ok()).collect();
+        let is_chosen =
+            |path: &Path| path.canonicalize().is_ok_and(|path| only.iter().any(|folder| path.starts_with(folder)));
+        self.jobs.retain(|job| is_chosen(&job.source));
+        self.unread.retain(|unread| is_chosen(&unread.source));
+        self.empty.retain(|folder| is_chosen(folder));
+        if self.jobs.is_empty() && self.unread.is_empty() && self.empty.is_empty() {
+            return Err(Failure::usage(format!(
+                "{}: the build of the project has no mesh here; to bake others, name the folder of the packs with --out",
+                first.display()
+            )));
+        }
+        Ok(())
+    }
+}
+
 /// The jobs of a build. Writes no file. `say` receives messages, also before an error.
 ///
 /// # Errors
@@ -133,37 +153,32 @@ pub fn jobs(selection: &Selection, out: &Path, say: &mut dyn FnMut(Message)) -> 
         inputs: Vec::new(),
         key: String::new(),
     };
-    let mut jobs: Vec<Job> = chosen.into_iter().zip(names).map(job).collect();
-    let mut empty = empty;
-    if !selection.only.is_empty() {
-        let only: Vec<PathBuf> = selection.only.iter().filter_map(|path| path.canonicalize().ok()).collect();
-        let is_chosen =
-            |path: &Path| path.canonicalize().is_ok_and(|path| only.iter().any(|folder| path.starts_with(folder)));
-        jobs.retain(|job| is_chosen(&job.source));
-        unread.retain(|unread| is_chosen(&unread.source));
-        empty.retain(|folder| is_chosen(folder));
-        if jobs.is_empty() && unread.is_empty() && empty.is_empty() {
-            return Err(Failure::usage(format!(
-                "{}: the build of the project has no mesh here; to bake others, name the folder of the packs with --out",
-                selection.only[0].display()
-            )));
-        }
-    }
+    let jobs = chosen.into_iter().zip(names).map(job).collect();
+    let mut found = Jobs { jobs, unread, empty, folders };
+    found.keep(&selection.only)?;
+    let Jobs { jobs, unread, .. } = &found;
     let unused = selection.options.without_effect(jobs.iter().map(|job| &job.options));
     if let Some(unused) = unused.filter(|_| !jobs.is_empty()) {
         return Err(Failure::usage(unused.message(flag)));
     }
-    let is_cut_by = |config: &Path| {
-        jobs.iter().any(|job| job.config.as_deref() == Some(config) && job.options.decompose().is_some())
-    };
-    configs.overridden(&selection.options).into_iter().map(Message::Note).for_each(&mut *say);
-    if selection.only.is_empty() {
-        configs.warnings(&selection.inputs, is_cut_by).into_iter().map(Message::Warning).for_each(&mut *say);
-    }
+    options_without_effect(selection, &configs, jobs).into_iter().for_each(&mut *say);
     if let Some(unread) = in_words(unread.iter().map(|unread| unread.source.as_path())) {
         say(Message::Note(format!("not read: {unread}; export them as {NAMES}, or leave them out with --exclude")));
     }
-    Ok(Jobs { jobs, unread, empty, folders })
+    Ok(found)
+}
+
+/// Messages about options of `hullmap.toml` that have no effect. A build of some meshes does not warn
+/// of the others' rules.
+fn options_without_effect(selection: &Selection, configs: &Configs, jobs: &[Job]) -> Vec<Message> {
+    let mut messages: Vec<Message> = configs.overridden(&selection.options).into_iter().map(Message::Note).collect();
+    let is_cut_by = |config: &Path| {
+        jobs.iter().any(|job| job.config.as_deref() == Some(config) && job.options.decompose().is_some())
+    };
+    if selection.only.is_empty() {
+        messages.extend(configs.warnings(&selection.inputs, is_cut_by).into_iter().map(Message::Warning));
+    }
+    messages
 }
 
 fn place(mesh: &Mesh, out: &Path) -> String {

@@ -127,8 +127,8 @@ impl Body {
         if exit.is_finite() { exit.max(0.0) } else { 0.0 }
     }
 
-    /// The height of a point above the body's planes, and the largest face that it is nearly as high
-    /// above; `None` without planes.
+    /// The height of a point above the body's planes, and the largest face that it is nearly as
+    /// high above; `None` without planes.
     pub fn face_below(&self, p: DVec3) -> Option<(f64, usize)> {
         let heights: Vec<f64> = self.planes.iter().map(|plane| plane.height(p)).collect();
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -40,7 +40,8 @@ fn bar() -> PointSet {
 #[test]
 fn solids_have_the_mass_of_their_closed_forms() {
     let unit = || block([0.0; 3], [1.0; 3]);
-    // Integrals over the simplex of the unit vectors are 1/6, 1/24 and, for products, 1/60 or 1/120.
+    // Integrals over the simplex of the unit vectors are 1/6, 1/24 and, for products, 1/60 or
+    // 1/120.
     let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let tetrahedron = mesh(corners, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]);
     let (own, mixed) = (6.0 / 60.0 - 1.0 / 16.0, 6.0 / 120.0 - 1.0 / 16.0);

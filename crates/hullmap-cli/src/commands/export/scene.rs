@@ -355,8 +355,8 @@ impl Document {
 }
 
 /// The text of an OBJ file in which each object is one group of the same name: Unreal names a mesh
-/// by its group, and makes a mesh of each. Without `name`, an object keeps its own, or has the stem of
-/// the file.
+/// by its group, and makes a mesh of each. Without `name`, an object keeps its own, or has the stem
+/// of the file.
 fn with_groups(text: &str, stem: &str, name: Option<&str>) -> String {
     let (mut grouped, mut is_named) = (String::with_capacity(text.len()), false);
     for line in text.trim_end().lines() {

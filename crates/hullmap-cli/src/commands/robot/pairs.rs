@@ -110,8 +110,8 @@ impl Pairs {
         Change::Exclude { pairs: self.excluded.iter().map(|pair| pair.links).collect(), comment: self.in_words() }
     }
 
-    /// Warning about pairs of a URDF file that may touch only because a hull fills a concavity. Other
-    /// programs would test the triangles, and find a contact when the pose changes.
+    /// Warning about pairs of a URDF file that may touch only because a hull fills a concavity.
+    /// Other programs would test the triangles, and find a contact when the pose changes.
     pub fn filled(
         &self,
         description: &Description,
