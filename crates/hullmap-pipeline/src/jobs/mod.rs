@@ -66,7 +66,7 @@ pub enum Message {
 }
 
 impl Jobs {
-    /// Keeps those of these meshes, and of meshes in these folders; all if there are none.
+    /// Keeps only these meshes, and meshes in these folders; all if the list is empty.
     fn keep(&mut self, only: &[PathBuf]) -> Result<(), Failure> {
         let Some(first) = only.first() else { return Ok(()) };
         let only: Vec<PathBuf> = only.iter().filter_map(|path| path.canonicalize().ok()).collect();
@@ -168,8 +168,8 @@ pub fn jobs(selection: &Selection, out: &Path, say: &mut dyn FnMut(Message)) -> 
     Ok(found)
 }
 
-/// Messages about options of `hullmap.toml` that have no effect. A build of some meshes does not warn
-/// of the others' rules.
+/// Messages about options of `hullmap.toml` that have no effect. A build of some meshes does not
+/// warn of the others' rules.
 fn options_without_effect(selection: &Selection, configs: &Configs, jobs: &[Job]) -> Vec<Message> {
     let mut messages: Vec<Message> = configs.overridden(&selection.options).into_iter().map(Message::Note).collect();
     let is_cut_by = |config: &Path| {
