@@ -603,7 +603,7 @@
       return;
     }
     const { dir, vertex, leaf } = point;
-    const at = bodies.a.hull.support(...dir).point;
+    const at = bodies.a.hull.support(dir).point;
     readout.textContent = [
       `direction (${triple(dir)})`,
       `vertex ${grouped(vertex)} at (${triple(at)})`,

@@ -87,7 +87,7 @@ pub fn bake(
 ///
 /// `positions` has three numbers for each vertex; they are rounded to 32-bit floats once. `indices`
 /// has three indices of vertices for each triangle. Without it, the mesh is a point cloud, which
-/// cannot be decomposed. The option `name` is the name of the hull, "mesh" by default. `onProgress`
+/// cannot be decomposed: of a geometry of three.js without an index, pass 0, 1, 2 and so on. The option `name` is the name of the hull, "mesh" by default. `onProgress`
 /// is described at `bake`.
 ///
 /// # Errors
@@ -151,7 +151,8 @@ impl BakedLevel {
 pub fn bake_level(
     file: &str,
     #[wasm_bindgen(unchecked_param_type = "Uint8Array | ArrayBuffer")] bytes: &JsValue,
-    #[wasm_bindgen(unchecked_optional_param_type = "BakeOptions | null")] options: Option<BakeOptions>,
+    #[wasm_bindgen(unchecked_optional_param_type = "Pick<BakeOptions, 'unitScale' | 'upAxis' | 'recentre'> | null")]
+    options: Option<BakeOptions>,
 ) -> Result<BakedLevel, JsError> {
     let options = Options::read(options.as_ref())?;
     let baked = hullmap_pipeline::bake_level(Path::new(file), &SourceFile::alone(bytes_of(bytes)?), &options.pairs());

@@ -26,6 +26,12 @@ pub fn rows_of<'n, T>(name: &str, numbers: &'n [T]) -> Result<&'n [[T; 3]], JsEr
     }
 }
 
+/// The error about a file that cannot be opened, with the classes of JavaScript.
+pub fn wrong_kind(fault: impl std::fmt::Display) -> JsError {
+    let rust = "open it as one, or any kind with `Asset::open`";
+    error(fault.to_string().replace(rust, "new Pack opens packs, new Level triangle meshes and height fields"))
+}
+
 /// An error with a message.
 pub fn error(text: impl std::fmt::Display) -> JsError {
     JsError::new(&text.to_string())

@@ -8,7 +8,7 @@ use hullmap::{Cache, CastSettings, EdgeClass, HeightField, Motion, SharedGeometr
 use js_sys::{Float64Array, Uint32Array};
 use wasm_bindgen::prelude::*;
 
-use crate::input::{bytes_of, error};
+use crate::input::{bytes_of, wrong_kind};
 use crate::object::{Plain, vector_from};
 use crate::pair::{pose_of, query};
 use crate::shape::{Body, Shape, geometry_of};
@@ -30,7 +30,7 @@ extern "C" {
 }
 
 /// A level or a terrain that keeps its triangles, and does not move: a triangle mesh or a height
-/// field. In a pair it is A; the parts of answers are indices of triangles.
+/// field. In a pair it is A or B, and the parts of answers are indices of triangles.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Level {
@@ -93,9 +93,9 @@ impl Level {
     ) -> Result<Level, JsError> {
         let bytes = &*bytes_of(bytes)?;
         let sheet = if bytes.starts_with(FIELD) {
-            SharedSheet::Field(Arc::new(HeightField::from_bytes(bytes).map_err(error)?))
+            SharedSheet::Field(Arc::new(HeightField::from_bytes(bytes).map_err(wrong_kind)?))
         } else {
-            SharedSheet::Mesh(Arc::new(TriangleMesh::from_bytes(bytes).map_err(error)?))
+            SharedSheet::Mesh(Arc::new(TriangleMesh::from_bytes(bytes).map_err(wrong_kind)?))
         };
         Ok(Self { drawn: Drawn::new(&sheet), sheet })
     }

@@ -29,13 +29,16 @@ export interface BakeOptions {
     recentre?: boolean;
     /** Decompose a concave mesh into convex parts. Default false. */
     decompose?: boolean;
-    /** Replace each hull by an enclosing one with at most this many vertices, 4 or more. */
+    /**
+     * Replace each hull by an enclosing one with at most this many vertices, 4 or more; default: the exact hull. With
+     * `decompose`, of each part; default: 64, or 255 if one part is enough.
+     */
     maxVertices?: number | "none";
     /**
      * Replace each hull by an enclosing one that extends at most this far beyond it: a length, or a
      * share of the diagonal, such as "1%". With `decompose`, maximum protrusion of a part; default "2%".
      */
-    maxError?: number | `${number}%` | "none";
+    maxError?: number | `${number}%` | `${number}mm` | "none";
     /** Maximum number of parts; the search then looks for the smallest error. */
     maxParts?: number | "none";
     /**
@@ -125,6 +128,7 @@ impl Options {
 /// A message of the command, with the options by their names in JavaScript: `--max-vertices`
 /// becomes `maxVertices`, and so does `max_vertices` in a message about options.
 pub fn in_javascript(message: &str, is_about_options: bool) -> String {
+    let message = &message.replace("use TriangleMesh, or `bake build --keep-triangles`", "use bakeLevel");
     if is_about_options {
         return camel_case(message);
     }

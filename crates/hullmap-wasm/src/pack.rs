@@ -7,8 +7,8 @@ use hullmap::glam::Vec3;
 use js_sys::Float64Array;
 use wasm_bindgen::prelude::*;
 
-use crate::input::{bytes_of, error, rows_of};
-use crate::object::{Plain, vector_of};
+use crate::input::{bytes_of, error, rows_of, wrong_kind};
+use crate::object::{Plain, vector_from, vector_of};
 use crate::shape::Shape;
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -102,7 +102,7 @@ impl Pack {
     pub fn new(
         #[wasm_bindgen(unchecked_param_type = "Uint8Array | ArrayBuffer")] bytes: &JsValue,
     ) -> Result<Pack, JsError> {
-        hullmap::Pack::from_bytes(&bytes_of(bytes)?).map(|pack| Self(Arc::new(pack))).map_err(error)
+        hullmap::Pack::from_bytes(&bytes_of(bytes)?).map(|pack| Self(Arc::new(pack))).map_err(wrong_kind)
     }
 
     /// Number of hulls.
@@ -139,8 +139,12 @@ impl Pack {
     ///
     /// # Errors
     /// There is no such hull.
-    pub fn hull(&self, index: usize) -> Result<Hull, JsError> {
-        self.0.shared_hull(index).map(Hull).map_err(error)
+    // As f64, because JavaScript would make an index out of −1, a name or nothing.
+    pub fn hull(&self, index: f64) -> Result<Hull, JsError> {
+        if !(index >= 0.0 && index.fract() == 0.0) {
+            return Err(error("hull: expected the index of a hull, a whole number from 0; hullNamed takes a name"));
+        }
+        self.0.shared_hull(index as usize).map(Hull).map_err(error)
     }
 
     /// The first hull with this name.
@@ -386,20 +390,33 @@ impl Hull {
             .collect()
     }
 
-    /// Support vertex in the direction (x, y, z), which is in the hull's frame and of any length.
-    pub fn support(&self, x: f32, y: f32, z: f32) -> SupportVertex {
-        let found = self.0.hull().support(Vec3::new(x, y, z));
-        Plain::new().with("index", found.index).with("point", vector_of(found.point.as_dvec3())).done()
+    /// Support vertex in a direction: three numbers in the hull's frame, of any length.
+    ///
+    /// # Errors
+    /// `direction` is not three finite numbers.
+    pub fn support(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] direction: &[f64],
+    ) -> Result<SupportVertex, JsError> {
+        let direction = vector_from("direction", direction)?;
+        if !direction.is_finite() {
+            return Err(error(format!("direction: {direction} is not finite")));
+        }
+        let found = self.0.hull().support(direction.as_vec3());
+        Ok(Plain::new().with("index", found.index).with("point", vector_of(found.point.as_dvec3())).done())
     }
 
     /// Index of the support vertex in each of many directions, three numbers each.
     ///
     /// # Errors
-    /// The length of `directions` is not a multiple of three.
+    /// The length of `directions` is not a multiple of three, or a number is not finite.
     pub fn supports(
         &self,
         #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] directions: &[f32],
     ) -> Result<Vec<u32>, JsError> {
+        if let Some(number) = directions.iter().find(|number| !number.is_finite()) {
+            return Err(error(format!("directions: {number} is not a finite number")));
+        }
         let directions = rows_of("directions", directions)?;
         let hull = self.0.hull();
         Ok(directions.iter().map(|&dir| hull.support(Vec3::from_array(dir)).index).collect())

@@ -5,8 +5,9 @@
 
 #![forbid(unsafe_code)]
 
-use std::env;
+use std::path::Path;
 use std::process::ExitCode;
+use std::{env, fs, io};
 
 use wasm_bindgen_cli_support::Bindgen;
 
@@ -31,11 +32,34 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    match chosen.and_then(|bindgen| bindgen.generate(folder)) {
+    let written = chosen.and_then(|bindgen| bindgen.generate(folder)).map_err(|error| format!("{error:#}"));
+    let script = Path::new(folder).join(name).with_extension("js");
+    match written.and_then(|()| check_arrays(&script).map_err(|error| error.to_string())) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("{module}: {error:#}");
+            eprintln!("{module}: {error}");
             ExitCode::FAILURE
         }
     }
+}
+
+/// Makes the script reject what has no length, where an array of numbers is expected: it would take
+/// it as an empty array.
+fn check_arrays(script: &Path) -> io::Result<()> {
+    let text = fs::read_to_string(script)?;
+    let mut checked = String::with_capacity(text.len());
+    let mut count = 0;
+    for line in text.lines() {
+        checked += line;
+        checked.push('\n');
+        if line.starts_with("function passArrayF") && line.ends_with("(arg, malloc) {") {
+            count += 1;
+            checked += "    if (typeof arg?.length !== 'number') {\n        throw new TypeError('expected an array of \
+                        numbers, such as [0, 0, 1]; of an attribute of three.js, its array');\n    }\n";
+        }
+    }
+    if count == 0 {
+        return Err(io::Error::other("the script passes no arrays of numbers as expected; adapt `check_arrays`"));
+    }
+    fs::write(script, checked)
 }

@@ -15,6 +15,7 @@
 //! 5. Pairs that no longer touch leave their entries.
 
 use super::bvh::{Node, Placement};
+use super::carrying::Carrying;
 use super::half_space::Descent;
 use super::joined::Joined;
 use super::near::{NearParts, NearTriangles};
@@ -276,12 +277,27 @@ impl CompoundManifolds {
             self.visit(frame, pair, |manifold, cache| parts.update(manifold, settings, cache));
             return;
         }
-        let side_a = Side { shape: &parts.a, union: in_a.map(|(union, first, place)| (union, first + pair[0], place)) };
-        let side_b = Side { shape: &parts.b, union: in_b.map(|union| (union, pair[1], Pose::IDENTITY)) };
         let mut removed = None;
         self.visit(frame, pair, |manifold, cache| {
             let before = manifold.clone();
             let contact = parts.update(manifold, settings, cache);
+            if manifold.points().is_empty() {
+                return contact;
+            }
+            let normal = manifold.normal();
+            let carrying_a = in_a.zip(parts.b.triangle()).and_then(|((union, _, place), corners)| {
+                let towards = b_in_a.inverse_transform_vector(-normal);
+                Carrying::new(union, corners, towards, place.compose(b_in_a).ok()?)
+            });
+            let carrying_b = in_b.zip(parts.a.triangle());
+            let carrying_b =
+                carrying_b.and_then(|(union, corners)| Carrying::new(union, corners, normal, b_in_a.inverse()));
+            let in_a = in_a.map(|(union, first, place)| {
+                (carrying_a.as_ref().map_or(union, |own| own as &dyn Union), first + pair[0], place)
+            });
+            let in_b = in_b.map(|union| carrying_b.as_ref().map_or(union, |own| own as &dyn Union));
+            let side_a = Side { shape: &parts.a, union: in_a };
+            let side_b = Side { shape: &parts.b, union: in_b.map(|union| (union, pair[1], Pose::IDENTITY)) };
             let correction = seams::correct(manifold, &before, &side_a, &side_b, b_in_a, settings);
             if correction == Correction::Unsupported {
                 removed = Some(manifold.clone());

@@ -28,6 +28,7 @@
 
 mod body_manifold;
 pub(crate) mod bvh;
+mod carrying;
 pub(crate) mod cast_motion;
 pub(crate) mod clear;
 pub(crate) mod half_space;
