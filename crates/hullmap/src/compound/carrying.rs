@@ -1,15 +1,15 @@
 //! The parts of a compound that can lie on a triangle.
 //!
 //! A part hides the contacts of another part where it contains their points: it has contacts of its
-//! own there. A triangle has no inside, so a part that has passed through has none. It hides
-//! nothing.
+//! own there. A triangle has no inside, so a part that has passed through has none, and a part that
+//! is more than halfway through is pushed out on the other side. They hide nothing.
 
 use super::seams::{Neighbour, Union};
 use crate::pose::Pose;
 use crate::vector::unit;
 use glam::DVec3;
 
-/// A union without the parts that lie wholly behind the plane of a triangle.
+/// A union without the parts that are more than halfway behind the plane of a triangle.
 pub(super) struct Carrying<'u> {
     union: &'u dyn Union,
     /// Unit normal of the plane, towards the body, in the frame of the union.
@@ -35,8 +35,9 @@ impl<'u> Carrying<'u> {
 
     fn is_behind(&self, near: &Neighbour<'_>) -> bool {
         let dir = near.place.inverse_transform_vector(self.normal);
-        let highest = near.place.transform_point(near.shape.support_point(dir).point);
-        highest.dot(self.normal) < self.height
+        let ends = [dir, -dir].map(|dir| near.place.transform_point(near.shape.support_point(dir).point));
+        let [above, below] = ends.map(|end| end.dot(self.normal) - self.height);
+        above < -below
     }
 }
 
