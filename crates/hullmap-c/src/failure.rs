@@ -18,7 +18,8 @@ pub(crate) struct Failure {
 impl Failure {
     #[cold]
     pub(crate) fn new(code: Code, message: impl Display) -> Self {
-        Self { code, message: message.to_string() }
+        // A hint for Rust.
+        Self { code, message: message.to_string().replace(", or any kind with `Asset::open`", "") }
     }
 
     /// An argument is invalid: `name: error`.

@@ -19,7 +19,7 @@
 //   m_asyncACD               as in V-HACD: whether Compute of CreateVHACD_ASYNC returns at once
 //   m_callback               Update is called in the thread that calls Compute, or IsReady if it is
 //                            asynchronous; NotifyVHACDComplete by the thread of the computation
-//   m_logger                 gets the message of a failure, from the thread of the computation
+//   m_logger                 gets the message of a failure, in the thread that calls
 //   m_resolution, m_maxRecursionDepth, m_minEdgeLength, m_findBestPlane, m_shrinkWrap
 //                            no effect: there are no voxels, and parts fit the surface
 //   m_fillMode               the solid of a mesh: SURFACE_ONLY is its walls; with RAYCAST_FILL, its holes
@@ -36,6 +36,7 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -198,7 +199,7 @@ public:
         parts_.clear();
         hullmap_decomposition_free(found_);
         found_ = nullptr;
-        set_progress(nullptr);
+        set_progress(false);
     }
 
     void Release() override { delete this; }
@@ -221,7 +222,10 @@ public:
     }
 
     bool IsReady() const override {
-        if (is_done_.load(std::memory_order_acquire)) return true;
+        if (is_done_.load(std::memory_order_acquire)) {
+            report();
+            return true;
+        }
         update();
         return false;
     }
@@ -250,7 +254,9 @@ private:
         params_ = params;
         points_.assign(points, points + size_t{3} * count);
         triangles_.assign(triangles, triangles + size_t{3} * triangle_count);
-        set_progress(hullmap_decompose_progress_new());
+        set_progress(true);
+        fault_.clear();
+        is_reported_.store(false);
         is_done_.store(false, std::memory_order_release);
         worker_ = std::thread([this] { run(); });
         if (is_async_ && params.m_asyncACD) return true;
@@ -259,6 +265,7 @@ private:
             update();
         }
         join();
+        report();
         return !parts_.empty();
     }
 
@@ -268,10 +275,10 @@ private:
         options.max_error_share = 0.02 * std::max(params_.m_minimumVolumePercentErrorAllowed, 0.1);
         options.solid = params_.m_fillMode == FillMode::SURFACE_ONLY ? 2 : params_.m_fillMode == FillMode::RAYCAST_FILL;
         options.max_vertices = params_.m_maxNumVerticesPerCH;
-        decompose(options);
+        decompose(options, progress_[0]);
         if (facts_.part_count > params_.m_maxConvexHulls && params_.m_maxConvexHulls > 0) {
             options.max_parts = params_.m_maxConvexHulls;
-            decompose(options);
+            decompose(options, progress_[1]);
         }
         for (size_t index = 0; index < facts_.part_count; ++index) {
             HullmapDecomposePart part;
@@ -282,15 +289,15 @@ private:
         if (is_async_ && params_.m_callback != nullptr) params_.m_callback->NotifyVHACDComplete();
     }
 
-    void decompose(const HullmapDecomposeOptions& options) {
+    void decompose(const HullmapDecomposeOptions& options, HullmapDecomposeProgress* progress) {
         hullmap_decomposition_free(found_);
         facts_ = HullmapDecomposeFacts();
         facts_.struct_size = sizeof facts_;
         const HullmapDecomposeResult result =
             hullmap_decompose(points_.data(), points_.size() / 3, triangles_.data(), triangles_.size() / 3, &options,
-                              progress_, &found_);
+                              progress, &found_);
         if (result != HULLMAP_DECOMPOSE_RESULT_OK) {
-            if (params_.m_logger != nullptr) params_.m_logger->Log(hullmap_decompose_last_error());
+            fault_ = hullmap_decompose_last_error();
             return;
         }
         hullmap_decomposition_facts(found_, &facts_);
@@ -343,10 +350,25 @@ private:
         return greatest;
     }
 
+    // Callbacks are called in the thread of the caller, as in V-HACD.
     void update() const {
-        if (params_.m_callback == nullptr) return;
-        const double percent = 100 * hullmap_decompose_progress_share(progress_);
-        params_.m_callback->Update(percent, percent, "Decompose", "Decompose");
+        double share = 0;
+        {
+            const std::lock_guard<std::mutex> lock(guard_);
+            for (HullmapDecomposeProgress* progress : progress_) share += 0.5 * hullmap_decompose_progress_share(progress);
+        }
+        update(100 * share);
+    }
+
+    void update(double percent) const {
+        if (params_.m_callback != nullptr) params_.m_callback->Update(percent, percent, "Decompose", "Decompose");
+    }
+
+    // What the end of the computation has to say, once.
+    void report() const {
+        if (is_reported_.exchange(true)) return;
+        if (!parts_.empty()) update(100);
+        if (!fault_.empty() && params_.m_logger != nullptr) params_.m_logger->Log(fault_.c_str());
     }
 
     void join() {
@@ -355,13 +377,15 @@ private:
 
     void ask_to_end() {
         const std::lock_guard<std::mutex> lock(guard_);
-        hullmap_decompose_progress_cancel(progress_);
+        for (HullmapDecomposeProgress* progress : progress_) hullmap_decompose_progress_cancel(progress);
     }
 
-    void set_progress(HullmapDecomposeProgress* progress) {
+    void set_progress(bool is_new) {
         const std::lock_guard<std::mutex> lock(guard_);
-        hullmap_decompose_progress_free(progress_);
-        progress_ = progress;
+        for (HullmapDecomposeProgress*& progress : progress_) {
+            hullmap_decompose_progress_free(progress);
+            progress = is_new ? hullmap_decompose_progress_new() : nullptr;
+        }
     }
 
     const bool is_async_;
@@ -371,8 +395,12 @@ private:
     std::vector<double> points_;
     std::vector<uint32_t> triangles_;
     // Held while progress_ is replaced, or used by another thread.
-    std::mutex guard_;
-    HullmapDecomposeProgress* progress_ = nullptr;
+    mutable std::mutex guard_;
+    // Of the parts within the error, and of at most a number of parts, if the error takes more.
+    HullmapDecomposeProgress* progress_[2] = {nullptr, nullptr};
+    // Written by the computation before it is done.
+    std::string fault_;
+    mutable std::atomic<bool> is_reported_{true};
     HullmapDecomposition* found_ = nullptr;
     HullmapDecomposeFacts facts_ = HullmapDecomposeFacts();
     std::vector<HullmapDecomposePart> parts_;

@@ -55,7 +55,8 @@ pub struct MotionSettings {
     /// fraction of the sum of the outer radii. The default is 1e-6.
     pub tolerance: f64,
     /// Maximum number of distance and contact queries for each turn of 360 degrees, up to 100
-    /// turns. Turns of both shapes are added and rounded up. The default is 200.
+    /// turns. Turns of both shapes are added and rounded up. The default is 200. All pairs of parts
+    /// share it, so compounds on triangles may need 1,000 or more.
     pub max_iterations: u32,
 }
 

@@ -25,7 +25,8 @@ pub struct MotionSettings {
     /// than [`MAX_TURNS`](Self::MAX_TURNS) as that many. One query, at the start, is always made.
     ///
     /// A query that reaches it returns [`Status::IterationLimit`](crate::Status::IterationLimit),
-    /// and its interval still contains the true value.
+    /// and its interval still contains the true value. All pairs of parts share it, so compounds on
+    /// triangles may need 1,000 or more.
     pub max_iterations: u32,
 }
 
