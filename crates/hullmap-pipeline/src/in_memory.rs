@@ -196,7 +196,7 @@ fn bake(
 }
 
 /// The alternatives to the option `keep_triangles`.
-const NO_PACK: &str = "makes no pack; use TriangleMesh, or `bake build --keep-triangles`";
+const NO_PACK: &str = "makes no pack; use TriangleMesh (Python), bake_level (Rust), or `bake build --keep-triangles`";
 
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
