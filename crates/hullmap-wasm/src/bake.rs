@@ -87,8 +87,8 @@ pub fn bake(
 ///
 /// `positions` has three numbers for each vertex; they are rounded to 32-bit floats once. `indices`
 /// has three indices of vertices for each triangle. Without it, the mesh is a point cloud, which
-/// cannot be decomposed: of a geometry of three.js without an index, pass 0, 1, 2 and so on. The option `name` is the name of the hull, "mesh" by default. `onProgress`
-/// is described at `bake`.
+/// cannot be decomposed: of a geometry of three.js without an index, pass 0, 1, 2 and so on. The
+/// option `name` is the name of the hull, "mesh" by default. `onProgress` is described at `bake`.
 ///
 /// # Errors
 /// An array or an option is wrong, or a hull cannot be built. The message names the fault and the

@@ -32,8 +32,8 @@ const MAX_FACES: usize = 2 * MAX_POINTS;
 
 /// Caller-owned memory of one ordered pair (A, B), passed to every query of that pair.
 ///
-/// It changes the cost of a query, and its answer only within the certified interval. An empty cache
-/// is always valid, and so is the cache of another pair. All directions are in A's frame.
+/// It changes the cost of a query, and its answer only within the certified interval. An empty
+/// cache is always valid, and so is the cache of another pair. All directions are in A's frame.
 ///
 /// # Memory
 /// It takes 1.3 KB, and no memory elsewhere for two convex shapes, unless
