@@ -8,7 +8,7 @@ use hullmap::{Cache, CastSettings, EdgeClass, HeightField, Motion, SharedGeometr
 use js_sys::{Float64Array, Uint32Array};
 use wasm_bindgen::prelude::*;
 
-use crate::input::{bytes_of, wrong_kind};
+use crate::input::{bytes_of, error, wrong_kind};
 use crate::object::{Plain, vector_from};
 use crate::pair::{pose_of, query};
 use crate::shape::{Body, Shape, geometry_of};
