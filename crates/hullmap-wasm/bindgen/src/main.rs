@@ -52,7 +52,7 @@ fn check_arrays(script: &Path) -> io::Result<()> {
     for line in text.lines() {
         checked += line;
         checked.push('\n');
-        if line.starts_with("function passArrayF") && line.ends_with("(arg, malloc) {") {
+        if line.trim_start().starts_with("function passArrayF") && line.ends_with("(arg, malloc) {") {
             count += 1;
             checked += "    if (typeof arg?.length !== 'number') {\n        throw new TypeError('expected an array of \
                         numbers, such as [0, 0, 1]; of an attribute of three.js, its array');\n    }\n";
