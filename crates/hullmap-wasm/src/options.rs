@@ -128,7 +128,8 @@ impl Options {
 /// A message of the command, with the options by their names in JavaScript: `--max-vertices`
 /// becomes `maxVertices`, and so does `max_vertices` in a message about options.
 pub fn in_javascript(message: &str, is_about_options: bool) -> String {
-    let message = &message.replace("use TriangleMesh (Python), bake_level (Rust), or `bake build --keep-triangles`", "use bakeLevel");
+    let message = &message
+        .replace("use TriangleMesh (Python), bake_level (Rust), or `bake build --keep-triangles`", "use bakeLevel");
     if is_about_options {
         return camel_case(message);
     }
