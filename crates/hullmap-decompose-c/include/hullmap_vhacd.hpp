@@ -364,7 +364,7 @@ private:
         if (params_.m_callback != nullptr) params_.m_callback->Update(percent, percent, "Decompose", "Decompose");
     }
 
-    // What the end of the computation has to say, once.
+    // Reports the end of the computation, once.
     void report() const {
         if (is_reported_.exchange(true)) return;
         if (!parts_.empty()) update(100);

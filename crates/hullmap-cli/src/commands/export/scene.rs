@@ -31,7 +31,7 @@ use hullmap_pipeline::outcome::Failure;
 use hullmap_pipeline::pack_file::folder_of;
 use hullmap_pipeline::principal_axes::principal_axes;
 
-/// Maximum difference from 1 of a scale that is none.
+/// Tolerance within which a scale counts as 1.
 const UNSCALED: f64 = 1e-4;
 
 pub struct Added<'a> {
