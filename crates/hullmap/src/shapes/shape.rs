@@ -14,6 +14,13 @@ use crate::support::SupportMap;
 ///
 /// For a [`SupportMap`] of your own, `impl Shape for Mine {}` is enough: the default finds the
 /// feature by support queries.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not one convex shape",
+    label = "a convex shape is expected here",
+    note = "a pack of parts, a triangle mesh, a height field or a half-space is queried by the functions of the crate, \
+            such as `hullmap::contacts`, and keeps its manifolds in `CompoundManifolds` or `BodyManifold`",
+    note = "for a support mapping of your own, `impl Shape for Mine {{}}` is enough"
+)]
 pub trait Shape: SupportMap {
     /// Writes the feature that faces `dir` to `out`.
     ///

@@ -258,11 +258,14 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
         let exit = baked.iter().map(|(_, exit)| *exit).max().unwrap_or(Exit::Rejected);
         return Err(Failure { exit, message: format!("{last}; a rule or --exclude leaves its link alone") });
     }
-    let stale =
-        baked.iter().find(|(own, _)| matches!(own.status, build_rows::Status::Stale | build_rows::Status::Missing));
-    if let Some((own, _)) = stale {
+    let stale = baked.iter().filter_map(|(own, _)| {
+        let is_stale = matches!(own.status, build_rows::Status::Stale | build_rows::Status::Missing);
+        is_stale.then(|| format!("{}: {}", shown(Path::new(&own.source)), own.reason.as_deref().unwrap_or("stale")))
+    });
+    let stale: Vec<String> = stale.collect();
+    if !stale.is_empty() {
         row.status = if target.file.exists() { Status::Stale } else { Status::Missing };
-        row.reason = own.reason.as_ref().map(|reason| format!("{}: {reason}", own.source));
+        row.reason = Some(stale.join("; "));
         return Ok(Exit::Rejected);
     }
     let mut meshes = Meshes::new(args.limits.limits());
