@@ -2,26 +2,29 @@
 //! direction index.
 //!
 //! [`Shape::feature`] uses the direction alone:
-//! 1. Support queries in eight directions, tilted to all sides. If all answers are the same vertex,
-//!    the feature is that vertex.
-//! 2. Take the face at the support vertex whose normal is closest to the direction. If all
-//!    eight answers are its corners, its corners are the feature, exactly.
-//! 3. Otherwise the support points in [`MAX_CORNERS`] tilted directions. This happens for an edge,
-//!    for several faces (f32 can break a flat cap into slivers), and for a face with more corners
-//!    than a feature holds.
+//! 1. If every edge at the support vertex falls by more than [`TILT`], the feature is that vertex.
+//!    If all edges but one do, at both ends of that one, the feature is that edge.
+//! 2. Otherwise, support queries in eight directions, tilted to all sides. Take the face at the
+//!    support vertex whose normal is closest to the direction. If all eight answers are its
+//!    corners, its corners are the feature, exactly.
+//! 3. Otherwise the support points in [`MAX_CORNERS`] tilted directions. This happens for several
+//!    faces (f32 can break a flat cap into slivers), and for a face with more corners than a
+//!    feature holds.
 //!
-//! [`Shape::feature_within`] also uses the heights that matter, and starts from the face:
-//! 1. Find the face at the support vertex whose normal n is closest to the direction. If fewer than
+//! [`Shape::feature_within`] also uses the heights that matter:
+//! 1. As above, if all neighbours of the vertex, or of the edge, are also farther below the support
+//!    plane than the reach. Then no face has three corners within reach.
+//! 2. Find the face at the support vertex whose normal n is closest to the direction. If fewer than
 //!    three of its corners are within reach of the support plane, and its tilt is above [`TILT`],
-//!    the feature is an edge or a vertex, found as above.
-//! 2. Otherwise the feature is that face, merged with the faces around it that are nearly in its
+//!    the feature is found by the directions above.
+//! 3. Otherwise the feature is that face, merged with the faces around it that are nearly in its
 //!    plane: the support points in directions tilted from n by [`TILT`]. If one of them is more
 //!    than [`MERGED_SHARE`] of the reach below the plane, tilt by less: a support point at the
 //!    distance l from the face, in a direction tilted by the tangent t, is at most t l below the
 //!    plane.
 //!
-//! In both steps no ring of directions is needed if every edge that leaves the face falls by more
-//! than [`TILT`]: then the face alone is the feature. [`Shape::reduced_feature_within`] returns its
+//! No ring of directions is needed if every edge that leaves the face falls by more than [`TILT`]:
+//! then the face alone is the feature. [`Shape::reduced_feature_within`] returns its
 //! best four corners, which the pack stores.
 //!
 //! So the tilt towards the *direction* is limited by the reach, and the tilt towards *each other*
@@ -34,13 +37,13 @@
 
 use super::Hull;
 use super::entry::Walk;
-use crate::shapes::feature::{COARSE, Cone, coarse_ring, refine};
+use crate::shapes::feature::{COARSE, Cone, KeptFace, NO_REACH, coarse_ring, refine};
 use crate::shapes::{Corner, Feature, MAX_CORNERS, Shape, TILT};
 use crate::solver::Ray;
 use crate::solver::ray::entry;
 use crate::support::{SupportMap, SupportPoint};
 use crate::vector::unit;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use hullmap_format::archive::ArchivedQuad;
 
 /// Faces are merged into the feature of [`Shape::feature_within`] if their corners are at most this
@@ -63,16 +66,11 @@ impl Shape for Hull<'_> {
     /// engine that has none, and wants a face in any case, passes [`f64::INFINITY`].
     ///
     /// # Complexity
-    /// For a vertex, 8 support queries. For a face of at most [`MAX_CORNERS`] corners, 9 support
-    /// queries and one normal for each face at the support vertex. Otherwise at most 33 support
-    /// queries.
+    /// For a vertex or an edge, one support query, and the edges there. For a face of at most
+    /// [`MAX_CORNERS`] corners, 9 support queries and one normal for each face at the support
+    /// vertex. Otherwise at most 34 support queries.
     fn feature(&self, dir: DVec3, out: &mut Feature) {
-        let cone = Cone::new(dir, TILT);
-        let around = coarse_ring(self, &cone);
-        if !self.baked_face(dir, &around, out) {
-            refine(self, &cone, around, out);
-            self.mark_flat(out);
-        }
+        self.feature_at(dir, self.top(dir), out);
     }
 
     /// The face closest to `dir` if three of its corners are at most `reach` below the support
@@ -127,31 +125,134 @@ enum Corners {
 /// of f32, and of the merging of coplanar triangles when the hull was built.
 const ROUGHNESS: f64 = 1e-6;
 
+/// A unit direction, and the support point there.
+type Top = (DVec3, SupportPoint);
+
 impl Hull<'_> {
+    /// The unit vector along `dir`, and its support point; `None` if `dir` has no direction.
+    fn top(&self, dir: DVec3) -> Option<Top> {
+        unit(dir).map(|n| (n, SupportMap::support_point(self, n)))
+    }
+
+    /// The vertex or the edge at `vertex`, the support point of the unit vector `n`, into `out`.
+    /// Returns false if the feature is more than that: if two neighbours of the vertex fall by at
+    /// most [`TILT`], or are at most `reach` below it, or one does whose own neighbours do as well.
+    ///
+    /// The support point in a tilted direction is where no edge rises, since the hull is convex.
+    ///
+    /// # Complexity
+    /// At most 2 × [`MAX_FACES`] edges; with more edges than that the answer is `false`.
+    fn sharp_feature(&self, n: DVec3, vertex: u32, reach: f64, out: &mut Feature) -> bool {
+        let Some(top) = self.vertex(vertex).map(Vec3::as_dvec3) else { return false };
+        let Some((mut fall, beside)) = self.falls(n, (vertex, top), (None, top), reach) else { return false };
+        out.clear();
+        out.push(Corner { point: top, vertex });
+        if let Some((w, end)) = beside {
+            let Some((beyond, None)) = self.falls(n, (w, end), (Some(vertex), top), reach) else { return false };
+            if is_steep(top - end, n) {
+                fall = fall.min(tangent(top - end, n));
+            } else {
+                fall = fall.min(beyond);
+                out.push(Corner { point: end, vertex: w });
+            }
+        }
+        out.set_fall(fall);
+        out.set_flat();
+        true
+    }
+
+    /// The one neighbour of a vertex, other than `known`, that falls by at most [`TILT`] along the
+    /// unit vector `n`, or is at most `reach` below `top`; and the least tangent by which the edges
+    /// to the others fall. `None` if there are more than one.
+    #[expect(clippy::type_complexity, reason = "a vertex is its index and its place")]
+    fn falls(
+        &self,
+        n: DVec3,
+        (vertex, place): (u32, DVec3),
+        (known, top): (Option<u32>, DVec3),
+        reach: f64,
+    ) -> Option<(f64, Option<(u32, DVec3)>)> {
+        let neighbours = self.neighbours(vertex);
+        // Lean hulls have no neighbours.
+        if !(1..=MAX_FACES).contains(&neighbours.len()) {
+            return None;
+        }
+        // The edge that falls least.
+        let mut lowest = n;
+        let mut beside = None;
+        for w in neighbours {
+            if known == Some(w) {
+                continue;
+            }
+            let end = self.vertex(w)?.as_dvec3();
+            let edge = place - end;
+            let below = edge.dot(n);
+            // NaN takes the branch of a neighbour beside.
+            if !((top - end).dot(n) > reach && is_steep(edge, n)) {
+                if beside.is_some() {
+                    return None;
+                }
+                beside = Some((w, end));
+            } else if below * below * lowest.length_squared() < lowest.dot(n) * lowest.dot(n) * edge.length_squared() {
+                lowest = edge;
+            }
+        }
+        Some((tangent(lowest, n), beside))
+    }
+
+    /// [`Shape::feature`]. `top` is [`Self::top`].
+    fn feature_at(&self, dir: DVec3, top: Option<Top>, out: &mut Feature) {
+        if top.is_some_and(|(n, top)| self.sharp_feature(n, top.feature, NO_REACH, out)) {
+            return;
+        }
+        let cone = Cone::new(dir, TILT);
+        let around = coarse_ring(self, &cone);
+        if !self.baked_face(top, &around, out) {
+            refine(self, &cone, around, out);
+            self.mark_flat(out);
+        }
+    }
+
     /// [`Shape::feature_within`] and [`Shape::reduced_feature_within`].
     fn facing(&self, dir: DVec3, reach: f64, wanted: Corners, out: &mut Feature) {
-        let n = unit(dir);
-        if let Some((n, face)) = n.zip(out.lone_face())
+        if let Some((n, face)) = unit(dir).zip(out.kept.lone_face())
             && self.still_faces(face, n)
             && self.own_corners(face, wanted, out)
         {
             return;
         }
-        out.set_lone_face(None);
-        let facing = n.and_then(|n| self.face_within(n, reach));
-        let Some((face, normal)) = facing else { return self.feature(dir, out) };
-        // Support points in all directions near the normal are corners of the face.
-        let alone = self.stands_alone(face, normal);
-        if alone && self.own_corners(face, wanted, out) {
-            out.set_lone_face(Some(face));
+        let top = self.top(dir);
+        if top.is_some_and(|(n, top)| self.sharp_feature(n, top.feature, reach, out)) {
             return;
         }
-        let on_face = self.face(face).next().and_then(|vertex| self.vertex(vertex));
-        let Some(on_face) = on_face.map(|corner| corner.as_dvec3()) else { return self.feature(dir, out) };
-        let below = |point: DVec3| (on_face - point).dot(normal);
+        let facing = top.and_then(|top| self.face_within(top, reach));
+        let Some((face, normal)) = facing else { return self.feature_at(dir, top, out) };
         // NaN and negative values count as 0. The rounding error of the face's own corners is far
         // below the second term.
         let flat = (MERGED_SHARE * reach).max(ROUGHNESS * self.outer_radius());
+        let kept = out.kept;
+        if let Some((vertices, is_flat)) = kept.feature(face, flat)
+            && self.corners_of(vertices, out)
+        {
+            if is_flat {
+                out.set_flat();
+            }
+            return;
+        }
+        // Support points in all directions near the normal are corners of the face.
+        if self.stands_alone(face, normal) && self.own_corners(face, wanted, out) {
+            out.kept = KeptFace::lone(face);
+            return;
+        }
+        self.merge((face, normal), flat, wanted, out);
+        out.kept = KeptFace::merged(face, flat, out);
+    }
+
+    /// The feature of a face and of the faces around it that are at most `flat` below its plane.
+    fn merge(&self, (face, normal): (u32, DVec3), flat: f64, wanted: Corners, out: &mut Feature) {
+        let on_face = self.face(face).next().and_then(|vertex| self.vertex(vertex));
+        let on_face = on_face.map_or(DVec3::ZERO, Vec3::as_dvec3);
+        let below = |point: DVec3| (on_face - point).dot(normal);
         let mut cone = Cone::new(normal, TILT);
         let mut around = coarse_ring(self, &cone);
         if around.iter().any(|support| below(support.point) > flat) {
@@ -263,11 +364,10 @@ impl Hull<'_> {
         }
     }
 
-    /// The face at the support vertex of `n` whose normal is closest to `n`, and its normal, if
-    /// three of its corners are at most `reach` below the support plane, or its normal is within
-    /// [`TILT`] of `n`.
-    fn face_within(&self, n: DVec3, reach: f64) -> Option<(u32, DVec3)> {
-        let top = SupportMap::support_point(self, n);
+    /// The face at the support vertex of n whose normal is closest to n, and its normal, if three
+    /// of its corners are at most `reach` below the support plane, or its normal is within [`TILT`]
+    /// of n.
+    fn face_within(&self, (n, top): Top, reach: f64) -> Option<(u32, DVec3)> {
         let faces = self.faces_at(top.feature);
         let closest = |faces: &mut dyn Iterator<Item = u32>| {
             let mut best = (f64::NEG_INFINITY, None);
@@ -322,17 +422,41 @@ impl Hull<'_> {
         true
     }
 
-    /// Puts the corners of the face towards `dir` into `out`. Returns false if the support points
-    /// `around` the direction are not all corners of that face.
-    fn baked_face(&self, dir: DVec3, around: &[SupportPoint; COARSE], out: &mut Feature) -> bool {
+    /// Puts these vertices into `out`. Returns false if there is no such vertex.
+    fn corners_of(&self, vertices: &[u32], out: &mut Feature) -> bool {
+        out.clear();
+        for &vertex in vertices {
+            let Some(point) = self.vertex(vertex) else { return false };
+            out.push(Corner { point: point.as_dvec3(), vertex });
+        }
+        true
+    }
+
+    /// Puts the corners of the face towards the direction of `top` into `out`. Returns false if the
+    /// support points `around` the direction are not all corners of that face.
+    fn baked_face(&self, top: Option<Top>, around: &[SupportPoint; COARSE], out: &mut Feature) -> bool {
         out.clear();
         if around.iter().all(|support| support.feature == around[0].feature) {
             return false;
         }
-        let facing = unit(dir).and_then(|n| self.face_within(n, f64::NEG_INFINITY));
+        let facing = top.and_then(|top| self.face_within(top, NO_REACH));
         let around = around.iter().map(|support| support.feature);
         facing.is_some_and(|(face, _)| self.face_corners(face, out) && contains_all(out, around))
     }
+}
+
+/// Whether an edge, from its upper end, falls so much along the unit vector `n` that it also falls
+/// in all directions within [`TILT`] of `n`.
+fn is_steep(edge: DVec3, n: DVec3) -> bool {
+    let below = edge.dot(n);
+    // The tangent of its fall is below / √(edge² − below²).
+    below > 0.0 && below * below * (1.0 + TILT * TILT) > TILT * TILT * edge.length_squared()
+}
+
+/// The tangent of the angle by which an edge, from its upper end, falls along the unit vector `n`.
+fn tangent(edge: DVec3, n: DVec3) -> f64 {
+    let below = edge.dot(n);
+    below / (edge - n * below).length()
 }
 
 /// Twice the area of the feature, projected along `normal`.

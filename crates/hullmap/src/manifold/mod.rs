@@ -48,6 +48,7 @@ mod surface;
 mod widen;
 
 use crate::pose::Pose;
+use crate::shapes::feature::KeptFace;
 use crate::shapes::{Corner, Feature, Shape};
 use crate::solver::{Cache, Contact, Settings, Status};
 use arrayvec::ArrayVec;
@@ -84,8 +85,8 @@ pub struct Manifold {
     points: ArrayVec<ManifoldPoint, MAX_POINTS>,
     normal: DVec3,
     status: Status,
-    /// For A and B: see [`Feature::lone_face`].
-    lone_faces: [Option<u32>; 2],
+    /// Of A and B.
+    kept_faces: [KeptFace; 2],
 }
 
 impl Default for Manifold {
@@ -97,7 +98,12 @@ impl Default for Manifold {
 impl Manifold {
     /// A manifold without points.
     pub const fn new() -> Self {
-        Self { points: ArrayVec::new_const(), normal: DVec3::X, status: Status::Separated, lone_faces: [None; 2] }
+        Self {
+            points: ArrayVec::new_const(),
+            normal: DVec3::X,
+            status: Status::Separated,
+            kept_faces: [KeptFace::NONE; 2],
+        }
     }
 
     /// The points; empty if the shapes are separated by more than the prediction.
@@ -196,10 +202,10 @@ impl Manifold {
         let frame = Frame::new((contact.point_a + contact.point_b) * 0.5, contact.normal);
         let lengths = Lengths { depth, width, prediction, reach };
         let mut features = [Feature::new(), Feature::new()];
-        features.iter_mut().zip(self.lone_faces).for_each(|(feature, face)| feature.set_lone_face(face));
+        features.iter_mut().zip(self.kept_faces).for_each(|(feature, kept)| feature.kept = kept);
         let mut patch = Patch::default();
         clipped((a, b, b_in_a), &frame, &lengths, &mut features, &mut patch);
-        self.lone_faces = features.each_ref().map(Feature::lone_face);
+        self.kept_faces = features.each_ref().map(|feature| feature.kept);
         let heights = [depth * 0.5, -depth * 0.5];
         let parts = features.each_ref().map(part);
         let exact = [near.is_within(ON_SURFACE * reach, (a, b, b_in_a)); 2];

@@ -184,7 +184,7 @@ impl Choice {
 
     /// Whether the body's centre is over the chosen points, so that it does not tip.
     pub fn is_below(&self, spots: &[Spot], center: DVec2) -> bool {
-        self.left_out(spots, center).is_some()
+        self.rest(spots, center).is_some()
     }
 }
 
@@ -292,12 +292,32 @@ pub fn choose(spots: &[Spot], center: DVec2, slight: f64, last: Option<Choice>) 
         return best;
     }
     let below = LEFT_OUT * slight;
-    best = supporting(spots, largest(spots, slight), center, below);
-    let Some(kept) = last.filter(|last| last.count == 4) else { return best };
-    let kept = kept.with_deepest(spots, below);
-    let left_out = |choice: &Choice| choice.left_out(spots, center).map_or(f64::INFINITY, |(below, _)| below);
-    let is_as_good = kept.area(spots) >= KEPT_AREA * best.area(spots) && left_out(&kept) <= left_out(&best).max(below);
-    if is_as_good { kept } else { best }
+    best = largest(spots, slight);
+    let kept = last.filter(|last| last.count == 4).map(|last| last.with_deepest(spots, below));
+    // No choice supports a centre that is beside all spots.
+    let tips = is_beside(spots, center);
+    let left_out = |choice: &Choice| {
+        let found = if tips { None } else { choice.left_out(spots, center) };
+        found.map_or(f64::INFINITY, |(below, _)| below)
+    };
+    let is_as_good = |kept: &Choice, best: &Choice, allowed: f64| {
+        kept.area(spots) >= KEPT_AREA * best.area(spots) && left_out(kept) <= allowed
+    };
+    // Usually, which the best ones are need not be known.
+    if let Some(kept) = kept.filter(|kept| is_as_good(kept, &best, below)) {
+        return kept;
+    }
+    if !tips {
+        best = supporting(spots, best, center, below);
+    }
+    kept.filter(|kept| is_as_good(kept, &best, left_out(&best).max(below))).unwrap_or(best)
+}
+
+/// Whether a line separates `center` from all spots: certainly if true, since that line is not the
+/// only one.
+fn is_beside(spots: &[Spot], center: DVec2) -> bool {
+    let away = spots.iter().map(|spot| spot.at - center).sum::<DVec2>();
+    spots.iter().all(|spot| (spot.at - center).dot(away) > 0.0)
 }
 
 /// Index of the deepest of `spots`; of all within `slight` of the deepest, the one farthest from

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::clip::{FACE, Frame, Part, Patch, PatchPoint};
+use super::clip::{FACE, Frame, Patch, PatchPoint};
 use super::lengths::Lengths;
 use super::select::{Choice, SAME_PLACE, Spot};
 use super::surface::settle;
@@ -50,17 +50,32 @@ pub(super) fn widen<A: Shape + ?Sized, B: Shape + ?Sized>(
     (frame, features): (&Frame, &[Feature; 2]),
     lengths: &Lengths,
 ) {
-    let mut add = |point: DVec3, exact: [bool; 2], parts: [Part; 2]| {
-        let heights = [(point - frame.origin).dot(frame.normal); 2];
-        // The other surface is at most half of the depth beyond the origin.
-        let [on_a, on_b] = [0.5 * lengths.depth, -0.5 * lengths.depth];
-        let most = if exact[1] { on_a - heights[1] } else { heights[0] - on_b };
+    // A flat shape has no side that is farther out than its face.
+    let a_is_smaller = a.outer_radius() < b.outer_radius();
+    if !(if a_is_smaller { a.inner_radius() } else { b.inner_radius() } > 0.0) {
+        return;
+    }
+    let (own, other) = if a_is_smaller { (&features[0], &features[1]) } else { (&features[1], &features[0]) };
+    let mut last = None;
+    let mut add = |point: DVec3, vertex: u32| {
+        // Directions beside each other often have the same support point.
+        if last.replace(vertex) == Some(vertex) {
+            return;
+        }
         let at = frame.projected(point);
         if (at - from).dot(toward) <= 0.0 {
             return;
         }
+        let heights = [(point - frame.origin).dot(frame.normal); 2];
+        // The other surface is at most half of the depth beyond the origin.
+        let below = if a_is_smaller { -heights[0] } else { heights[1] };
+        if 0.5 * lengths.depth - below - drop(other, frame, at) < -lengths.prediction {
+            return;
+        }
+        let (parts, exact) = ([[vertex; 2], FACE], [true, false]);
+        let (parts, exact) = if a_is_smaller { (parts, exact) } else { ([parts[1], parts[0]], [false, true]) };
         let is_same = |known: &PatchPoint| known.parts == parts || known.at.distance(at) <= SAME_PLACE * lengths.reach;
-        if most < -lengths.prediction || patch.points().iter().any(is_same) {
+        if patch.points().iter().any(is_same) {
             return;
         }
         let mut point = PatchPoint { at, heights, exact, is_moved: false, parts };
@@ -70,19 +85,30 @@ pub(super) fn widen<A: Shape + ?Sized, B: Shape + ?Sized>(
             patch.push(point);
         }
     };
-    // A flat shape has no side that is farther out than its face.
-    if a.outer_radius() < b.outer_radius() {
-        if a.inner_radius() > 0.0 {
-            for SupportPoint { point, feature } in farther_out(a, frame.normal, frame.vector(toward), lengths) {
-                add(point, [true, false], [[feature; 2], FACE]);
-            }
-        }
-    } else if b.inner_radius() > 0.0 {
-        let [dir, toward] = [-frame.normal, frame.vector(toward)].map(|v| b_in_a.inverse_transform_vector(v));
-        for SupportPoint { point, feature } in farther_out(b, dir, toward, lengths) {
-            add(b_in_a.transform_point(point), [false, true], [FACE, [feature; 2]]);
+    let toward = frame.vector(toward);
+    if own.fall() > tilt(lengths) {
+        own.corners().iter().for_each(|corner| add(corner.point, corner.vertex));
+    } else if a_is_smaller {
+        farther_out(a, frame.normal, toward, lengths).for_each(|support| add(support.point, support.feature));
+    } else {
+        let [dir, toward] = [-frame.normal, toward].map(|v| b_in_a.inverse_transform_vector(v));
+        for support in farther_out(b, dir, toward, lengths) {
+            add(b_in_a.transform_point(support.point), support.feature);
         }
     }
+}
+
+/// How far the surface of a shape with this feature is below its support plane at least.
+fn drop(feature: &Feature, frame: &Frame, at: DVec2) -> f64 {
+    let beside = match *feature.corners() {
+        [vertex] => frame.projected(vertex.point).distance(at),
+        [start, end] => {
+            let [start, end] = [start, end].map(|corner| frame.projected(corner.point));
+            (end - start).perp_dot(at - start).abs() / start.distance(end)
+        }
+        _ => return 0.0,
+    };
+    feature.fall() * beside
 }
 
 /// Support points of `shape` in directions that are tilted from `dir` to the side of `toward`, both
@@ -94,10 +120,14 @@ pub(super) fn farther_out<S: Shape + ?Sized>(
     toward: DVec3,
     lengths: &Lengths,
 ) -> impl Iterator<Item = SupportPoint> {
+    tilted_toward(shape, dir, tilt(lengths), toward)
+}
+
+/// Tangent of the angle of these directions.
+fn tilt(lengths: &Lengths) -> f64 {
     let Lengths { depth, prediction, reach, .. } = *lengths;
     // A support point at the distance l, in a direction that is tilted by the tangent t, is at most
     // t l above the support plane.
     #[expect(clippy::manual_clamp, reason = "NaN, of a point on a point, becomes the lower end")]
-    let tilt = ((depth.max(0.0) + prediction) / reach).max(TILT).min(STEEPEST);
-    tilted_toward(shape, dir, tilt, toward)
+    ((depth.max(0.0) + prediction) / reach).max(TILT).min(STEEPEST)
 }

@@ -80,6 +80,65 @@ pub struct Corner {
     pub vertex: u32,
 }
 
+/// Maximum number of corners that a manifold keeps of a feature of merged faces.
+const MAX_KEPT: usize = 12;
+
+/// The face of a hull that a feature was made of. A manifold keeps it, so that the hull need not
+/// look again for the faces around it. [`Feature::clear`] leaves it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct KeptFace {
+    /// Which face: `u32::MAX` for none.
+    face: u32,
+    /// How far below its plane corners of merged faces may be: a length. NaN if no face beside it
+    /// can be merged into it.
+    flat: f64,
+    /// The vertices of the feature; none if they are not kept.
+    vertices: [u32; MAX_KEPT],
+    count: u8,
+    /// Whether the feature is flat.
+    is_flat: bool,
+}
+
+impl KeptFace {
+    /// No face.
+    pub(crate) const NONE: Self = Self { face: u32::MAX, flat: 0.0, vertices: [0; MAX_KEPT], count: 0, is_flat: false };
+
+    /// A face that is the feature alone, however small `flat` is.
+    pub(crate) fn lone(face: u32) -> Self {
+        Self { face, flat: f64::NAN, ..Self::NONE }
+    }
+
+    /// The face, if it is the feature alone.
+    pub(crate) fn lone_face(&self) -> Option<u32> {
+        self.flat.is_nan().then_some(self.face)
+    }
+
+    /// The face with all around it that is at most `flat` below its plane: `feature`.
+    pub(crate) fn merged(face: u32, flat: f64, feature: &Feature) -> Self {
+        let mut kept = Self { face, flat, is_flat: feature.is_flat, ..Self::NONE };
+        if feature.is_reduced || feature.corners.len() > MAX_KEPT {
+            return Self::NONE;
+        }
+        for (vertex, corner) in kept.vertices.iter_mut().zip(&feature.corners) {
+            *vertex = corner.vertex;
+            kept.count += 1;
+        }
+        kept
+    }
+
+    /// The vertices of the feature of a face, if they are kept, and whether it is flat.
+    pub(crate) fn feature(&self, face: u32, flat: f64) -> Option<(&[u32], bool)> {
+        let vertices = self.vertices.get(..usize::from(self.count))?;
+        (self.face == face && self.flat == flat && !vertices.is_empty()).then_some((vertices, self.is_flat))
+    }
+}
+
+impl Default for KeptFace {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
 /// The vertex (one corner), edge (two corners) or face (three or more) that faces a direction.
 ///
 /// The corners of a face are in order around it, clockwise or counter-clockwise. A *reduced*
@@ -94,14 +153,23 @@ pub struct Feature {
     is_reduced: bool,
     is_flat: bool,
     is_rounded: bool,
-    /// See [`Self::lone_face`].
-    lone_face: Option<u32>,
+    /// See [`Self::fall`].
+    fall: f64,
+    /// The face that a hull made the feature of.
+    pub(crate) kept: KeptFace,
 }
 
 impl Feature {
     /// A feature without corners.
     pub const fn new() -> Self {
-        Self { corners: ArrayVec::new_const(), is_reduced: false, is_flat: false, is_rounded: false, lone_face: None }
+        Self {
+            corners: ArrayVec::new_const(),
+            is_reduced: false,
+            is_flat: false,
+            is_rounded: false,
+            fall: 0.0,
+            kept: KeptFace::NONE,
+        }
     }
 
     /// Whether corners were left out to save time.
@@ -135,6 +203,19 @@ impl Feature {
         self.is_rounded = true;
     }
 
+    /// Tangent of the angle within which the support points in directions around the feature's own
+    /// are its corners: of a vertex or an edge. So the shape is lower than the highest corner by
+    /// this multiple of the distance from the vertex, or from the line of the edge, seen along the
+    /// direction. 0 if it is not known.
+    pub(crate) fn fall(&self) -> f64 {
+        self.fall
+    }
+
+    /// See [`Self::fall`].
+    pub(crate) fn set_fall(&mut self, fall: f64) {
+        self.fall = fall;
+    }
+
     /// Forgets that the feature is flat.
     pub(crate) fn set_curved(&mut self) {
         self.is_flat = false;
@@ -143,18 +224,6 @@ impl Feature {
     /// Forgets that corners were left out: whatever a shape returns as its whole feature is final.
     pub(crate) fn set_whole(&mut self) {
         self.is_reduced = false;
-    }
-
-    /// The face of a hull that the feature was, if no face beside it could be merged into it. A
-    /// manifold keeps it, so that the hull need not look for the face again while it faces the same
-    /// way. [`clear`](Self::clear) leaves it.
-    pub(crate) fn lone_face(&self) -> Option<u32> {
-        self.lone_face
-    }
-
-    /// See [`Self::lone_face`].
-    pub(crate) fn set_lone_face(&mut self, face: Option<u32>) {
-        self.lone_face = face;
     }
 
     /// The corners, in order around the feature.
@@ -170,7 +239,7 @@ impl Feature {
     /// Removes all corners.
     pub fn clear(&mut self) {
         self.corners.clear();
-        (self.is_reduced, self.is_flat, self.is_rounded) = (false, false, false);
+        (self.is_reduced, self.is_flat, self.is_rounded, self.fall) = (false, false, false, 0.0);
     }
 
     /// Keeps the corners that satisfy `keep`, in order.

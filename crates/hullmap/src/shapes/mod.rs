@@ -150,6 +150,8 @@ fn round(out: &mut Feature, dir: DVec3, radius: f64, interior: DVec3) {
     if out.corners().len() > 1 {
         out.set_rounded();
     }
+    // The point of a ball moves with the direction.
+    out.set_fall(0.0);
     let offset = facing.unwrap_or(n) * radius;
     out.corners_mut().iter_mut().for_each(|corner| corner.point += offset);
 }

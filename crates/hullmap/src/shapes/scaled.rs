@@ -61,6 +61,8 @@ impl<S> Scaled<S> {
         for corner in out.corners_mut() {
             corner.point *= self.scale;
         }
+        // A scale that is not uniform changes angles.
+        out.set_fall(0.0);
     }
 
     fn scaled_radii(&self, [inner, outer]: [f64; 2]) -> [f64; 2] {
