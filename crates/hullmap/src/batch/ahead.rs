@@ -240,7 +240,7 @@ impl<S: Shape + ?Sized, A: Shape + ?Sized, B: Shape + ?Sized> Shape for Fetching
     fn reduced_feature_within(&self, dir: DVec3, reach: f64, out: &mut Feature) {
         self.shape.reduced_feature_within(dir, reach, out);
     }
-    fn entry(&self, ray: &Ray, near: u32) -> Option<f64> {
-        self.shape.entry(ray, near)
+    fn entry(&self, ray: &Ray, near: u32, until: f64) -> Option<f64> {
+        self.shape.entry(ray, near, until)
     }
 }

@@ -7,6 +7,8 @@
 //!    looks away, the ray misses the hull.
 //! 3. A face that has the ray inside all of its edges is the one that the ray enters.
 //!
+//! The hull is below the plane of each face, so the walk may end where that is too low.
+//!
 //! Each step leads to a face whose plane is higher over the ray, so no face is visited twice.
 //! (Edelsbrunner, "An acyclicity theorem for cell complexes in d dimensions", 1990.)
 
@@ -34,14 +36,27 @@ pub(super) enum Walk {
     Open,
 }
 
+/// A face, as a ray sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Seen {
+    /// It looks the other way.
+    Away,
+    /// Its plane is farther than the ray need go.
+    TooFar,
+    Near,
+}
+
 impl Hull<'_> {
     /// Walks from the faces at the vertex `near` to the one that `ray` enters. The ray starts
-    /// outside of the hull, so far that all faces that it may enter look towards its origin.
-    pub(super) fn walk(&self, ray: &Ray, near: u32) -> Walk {
+    /// outside of the hull, so far that all faces that it may enter look towards its origin. A
+    /// ray that enters beyond `until` may count as a miss.
+    pub(super) fn walk(&self, ray: &Ray, near: u32, until: f64) -> Walk {
         let up = -ray.direction();
-        let Some(mut face) = self.faces_at(near).take(MAX_ENTRY_EDGES).find(|face| self.looks_along(*face, up)) else {
-            return Walk::Open;
-        };
+        let mut seen = self.faces_at(near).take(MAX_ENTRY_EDGES).map(|face| (face, self.seen(face, ray, until)));
+        let Some((mut face, first)) = seen.find(|(_, seen)| *seen != Seen::Away) else { return Walk::Open };
+        if first == Seen::TooFar {
+            return Walk::Miss;
+        }
         let mut edges = 0;
         // The edge by which the walk came: a rounding error must not lead it back.
         let mut entered = None;
@@ -53,7 +68,7 @@ impl Hull<'_> {
             let Some((v, w)) = self.edge_beside(face, ray.origin(), up, entered) else { break };
             // The face on the other side has the edge in the other direction.
             let Some(next) = self.face_left_of(w, v) else { return Walk::Open };
-            if !self.looks_along(next, up) {
+            if self.seen(next, ray, until) != Seen::Near {
                 return Walk::Miss;
             }
             (face, entered) = (next, Some((w, v)));
@@ -61,10 +76,19 @@ impl Hull<'_> {
         self.entry_of_face(face, ray).map_or(Walk::Open, Walk::Entry)
     }
 
-    /// Whether the outward normal of `face` has a positive component along `up`.
-    fn looks_along(&self, face: u32, up: DVec3) -> bool {
-        let Some([p, q, r]) = self.corners_apart(face) else { return false };
-        (q - p).cross(r - p).dot(up) > 0.0
+    /// How `ray` sees a face. It meets the plane of a face that is too far beyond `until`.
+    fn seen(&self, face: u32, ray: &Ray, until: f64) -> Seen {
+        let Some([p, q, r]) = self.corners_apart(face) else { return Seen::Away };
+        let normal = (q - p).cross(r - p);
+        let along = normal.dot(ray.direction());
+        // NaN takes the first branch, and then the last one.
+        if !(along < 0.0) {
+            Seen::Away
+        } else if normal.dot(p - ray.origin()) < until * along {
+            Seen::TooFar
+        } else {
+            Seen::Near
+        }
     }
 
     /// An edge of `face`, other than `entered`, outside of which the line through `point` along

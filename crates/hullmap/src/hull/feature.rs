@@ -104,8 +104,8 @@ impl Shape for Hull<'_> {
     ///
     /// # Complexity
     /// At most 64 edges; beyond that, as [`ray`](crate::ray()).
-    fn entry(&self, ray: &Ray, near: u32) -> Option<f64> {
-        match self.walk(ray, near) {
+    fn entry(&self, ray: &Ray, near: u32, until: f64) -> Option<f64> {
+        match self.walk(ray, near, until) {
             Walk::Entry(t) => Some(t),
             Walk::Miss => None,
             Walk::Open => entry(self, ray),

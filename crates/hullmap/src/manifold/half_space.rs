@@ -81,7 +81,8 @@ impl Manifold {
         };
         let add = |patch: &mut Patch, Corner { point, vertex }: Corner, is_exact: bool| {
             let mut point = place(point, [vertex; 2]);
-            let is_there = is_exact || settle_b((b, b_in_a), &frame, vertex, lengths.height_above(), &mut point);
+            let is_there =
+                is_exact || settle_b((b, b_in_a), &frame, vertex, [lengths.height_above(), f64::INFINITY], &mut point);
             if is_there && point.depth() >= -prediction {
                 patch.push(point);
             }

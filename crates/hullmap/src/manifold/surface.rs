@@ -27,17 +27,31 @@ pub(super) fn settle<A: Shape + ?Sized, B: Shape + ?Sized>(
     above: f64,
     point: &mut PatchPoint,
 ) -> bool {
+    settle_within((a, b, b_in_a), frame, features, [above, f64::INFINITY], point)
+}
+
+/// [`settle`] for a point that is needed only if its depth is at least −`gap`: if it is less,
+/// returns false as well.
+pub(super) fn settle_within<A: Shape + ?Sized, B: Shape + ?Sized>(
+    (a, b, b_in_a): (&A, &B, Pose),
+    frame: &Frame,
+    features: &[Feature; 2],
+    [above, gap]: [f64; 2],
+    point: &mut PatchPoint,
+) -> bool {
     let [on_a, on_b] = point.exact;
     if !on_a {
         let near = nearest(&features[0], frame, point);
-        let Some(t) = entry(a, frame.point(point.at, above), -frame.normal, near) else { return false };
+        let until = if on_b { above - point.heights[1] + gap } else { f64::INFINITY };
+        let Some(t) = entry(a, frame.point(point.at, above), -frame.normal, near, until) else { return false };
         point.heights[0] = above - t;
     }
-    if !on_b && !settle_b((b, b_in_a), frame, nearest(&features[1], frame, point), above, point) {
+    let until = above + point.heights[0] + gap;
+    if !on_b && !settle_b((b, b_in_a), frame, nearest(&features[1], frame, point), [above, until], point) {
         return false;
     }
     point.exact = [true; 2];
-    true
+    point.depth() >= -gap
 }
 
 /// The contact's own point, between its points on A and on B, on both surfaces, from `above` them;
@@ -93,24 +107,25 @@ fn inward<A: Shape + ?Sized, B: Shape + ?Sized>(
     [(to_a + to_b).normalize_or_zero(), to_a, to_b].into_iter().map(move |way| at + way * (INWARD * reach))
 }
 
-/// [`settle`] for the surface of B alone. `near` is a vertex of B close to the point.
+/// [`settle`] for the surface of B alone, up to the length `until` from there. `near` is a vertex
+/// of B close to the point.
 pub(super) fn settle_b<B: Shape + ?Sized>(
     (b, b_in_a): (&B, Pose),
     frame: &Frame,
     near: u32,
-    above: f64,
+    [above, until]: [f64; 2],
     point: &mut PatchPoint,
 ) -> bool {
     let inverse = b_in_a.inverse();
     let from = inverse.transform_point(frame.point(point.at, -above));
-    let Some(t) = entry(b, from, inverse.transform_vector(frame.normal), near) else { return false };
+    let Some(t) = entry(b, from, inverse.transform_vector(frame.normal), near, until) else { return false };
     point.heights[1] = t - above;
     true
 }
 
 /// How far a ray from outside of the shape goes until it enters.
-fn entry<S: Shape + ?Sized>(shape: &S, from: DVec3, direction: DVec3, near: u32) -> Option<f64> {
-    shape.entry(&Ray::new(from, direction).ok()?, near)
+fn entry<S: Shape + ?Sized>(shape: &S, from: DVec3, direction: DVec3, near: u32, until: f64) -> Option<f64> {
+    shape.entry(&Ray::new(from, direction).ok()?, near, until)
 }
 
 /// The vertex of a corner of `feature` that is nearest to `point`.

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use super::clip::{FACE, Frame, Patch, PatchPoint};
 use super::lengths::Lengths;
 use super::select::{Choice, SAME_PLACE, Spot};
-use super::surface::settle;
+use super::surface::settle_within;
 use crate::pose::Pose;
 use crate::shapes::feature::tilted_toward;
 use crate::shapes::{Feature, Shape, TILT};
@@ -79,9 +79,8 @@ pub(super) fn widen<A: Shape + ?Sized, B: Shape + ?Sized>(
             return;
         }
         let mut point = PatchPoint { at, heights, exact, is_moved: false, parts };
-        if settle((a, b, b_in_a), frame, features, lengths.height_above(), &mut point)
-            && point.depth() >= -lengths.prediction
-        {
+        let [above, gap] = [lengths.height_above(), lengths.prediction];
+        if settle_within((a, b, b_in_a), frame, features, [above, gap], &mut point) {
             patch.push(point);
         }
     };

@@ -59,7 +59,8 @@ pub trait Shape: SupportMap {
         self.feature_within(dir, reach, out);
     }
 
-    /// The t at which `ray` enters the shape; `None` if it misses or grazes it.
+    /// The t at which `ray` enters the shape; `None` if it misses or grazes it. If t is more than
+    /// `until`, it may be `None` as well.
     ///
     /// The ray starts outside of the shape. `near` is a vertex of a feature close to the ray, and
     /// changes the time alone. The answer is exact up to 1e-10 of the outer radius. A contact
@@ -67,9 +68,9 @@ pub trait Shape: SupportMap {
     ///
     /// The default casts the ray by support queries. A hull walks over its faces, which
     /// is faster if the vertex is close.
-    fn entry(&self, ray: &Ray, near: u32) -> Option<f64> {
-        // The parameter has this name for the documentation.
-        let _ = near;
+    fn entry(&self, ray: &Ray, near: u32, until: f64) -> Option<f64> {
+        // The parameters have these names for the documentation.
+        let _ = (near, until);
         // A reference, since `Self` need not have a size.
         entry(&self, ray)
     }
@@ -93,8 +94,8 @@ macro_rules! forward_shape {
         fn reduced_feature_within(&$this, dir: DVec3, reach: f64, out: &mut Feature) {
             $inner.reduced_feature_within(dir, reach, out);
         }
-        fn entry(&$this, ray: &Ray, near: u32) -> Option<f64> {
-            $inner.entry(ray, near)
+        fn entry(&$this, ray: &Ray, near: u32, until: f64) -> Option<f64> {
+            $inner.entry(ray, near, until)
         }
         fn triangle(&$this) -> Option<[DVec3; 3]> {
             $inner.triangle()

@@ -131,7 +131,7 @@ impl Shape for Triangle {
     }
 
     /// By the signs of volumes.
-    fn entry(&self, ray: &Ray, _near: u32) -> Option<f64> {
+    fn entry(&self, ray: &Ray, _near: u32, _until: f64) -> Option<f64> {
         let found = ray_triangle(self.corners, ray, &CastSettings::default());
         found.hit.then_some(found.t)
     }
