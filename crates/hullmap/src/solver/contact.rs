@@ -32,7 +32,7 @@ use super::kept_face::{self, depth_on_kept_face};
 use super::minkowski::{Minkowski, Point, Step};
 use super::mpr::{Found, MprSearch, Until};
 use super::sat;
-use super::scratch::Workspace;
+use super::scratch::{self, Workspace};
 use super::settings::Settings;
 use super::status::Status;
 use super::steps::{Solver, SteppedQuery, at_once};
@@ -92,6 +92,11 @@ impl SteppedQuery for ContactQuery {
     type Settings = Settings;
     type Answer = Contact;
     type Workspace = Workspace;
+
+    #[inline(always)]
+    fn with_workspace<R>(search: impl FnOnce(&mut Workspace) -> R) -> R {
+        scratch::with_workspace(search)
+    }
 
     /// Step 1.
     #[inline(always)]

@@ -1,6 +1,8 @@
 //! Memory for the polytopes of EPA: the workspace of a query, and [`Scratch`] for threads with a
 //! small stack.
 
+use std::cell::RefCell;
+
 use super::epa::polytope::Polytope;
 
 /// Maximum number of vertices of each polytope size. The first is enough for small hulls and
@@ -13,7 +15,7 @@ pub(super) type Medium = Polytope<{ SIZES[1] }, { 2 * SIZES[1] }>;
 pub(super) type Big = Polytope<{ SIZES[2] }, { 2 * SIZES[2] }>;
 pub(super) type Biggest = Polytope<{ SIZES[3] }, { 2 * SIZES[3] }>;
 
-/// The polytopes of the first two sizes: 16 KB, of which only what a query needs is written.
+/// The polytopes of the first two sizes: 16 KB, written before their first use.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
     pub(super) small: Option<Small>,
@@ -38,6 +40,21 @@ impl Workspace {
             small.overwrite(medium);
         }
     }
+}
+
+thread_local! {
+    /// The workspace of the thread. A new one would be written in each query.
+    static WORKSPACE: RefCell<Workspace> = const { RefCell::new(Workspace { small: None, medium: None }) };
+}
+
+/// Runs a search with the workspace of the thread. A search inside another one, in the support
+/// mapping of a user's own shape, has a new one.
+#[inline(always)]
+pub(super) fn with_workspace<R>(search: impl FnOnce(&mut Workspace) -> R) -> R {
+    WORKSPACE.with(|own| match own.try_borrow_mut() {
+        Ok(mut workspace) => search(&mut workspace),
+        Err(_) => search(&mut Box::default()),
+    })
 }
 
 /// The polytope in `place`.

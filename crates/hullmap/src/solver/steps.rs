@@ -18,6 +18,12 @@ pub(crate) trait SteppedQuery: Sized {
     /// Memory that it uses until it has ended.
     type Workspace: Default;
 
+    /// Runs a search with memory for it.
+    #[inline(always)]
+    fn with_workspace<R>(search: impl FnOnce(&mut Self::Workspace) -> R) -> R {
+        search(&mut Self::Workspace::default())
+    }
+
     /// The answer if it is known before the search: from balls inside of the shapes and around
     /// them, or the last separating axis, whose support point may be enough.
     fn glance<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
@@ -94,21 +100,21 @@ pub(super) fn at_once<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: Stepped
         return answer;
     }
     if size_of::<Q::Workspace>() == 0 {
-        search::<A, B, Q>(&mut m, settings, cache)
+        search::<A, B, Q>(&mut m, settings, cache, &mut Q::Workspace::default())
     } else {
         search_apart::<A, B, Q>(&mut m, settings, cache)
     }
 }
 
-/// [`search`], not inlined: a workspace takes four pages of the stack, which the pairs that are
-/// answered before would touch.
+/// [`search`], not inlined, with a workspace, which the pairs that are answered before need not
+/// touch.
 #[inline(never)]
 fn search_apart<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: SteppedQuery>(
     m: &mut Minkowski<'_, A, B>,
     settings: &Q::Settings,
     cache: &mut Cache,
 ) -> Q::Answer {
-    search::<A, B, Q>(m, settings, cache)
+    Q::with_workspace(|workspace| search::<A, B, Q>(m, settings, cache, workspace))
 }
 
 /// Drives the search to its end.
@@ -117,8 +123,8 @@ fn search<A: SupportMap + ?Sized, B: SupportMap + ?Sized, Q: SteppedQuery>(
     m: &mut Minkowski<'_, A, B>,
     settings: &Q::Settings,
     cache: &mut Cache,
+    workspace: &mut Q::Workspace,
 ) -> Q::Answer {
-    let workspace = &mut Q::Workspace::default();
     let started = Solver { query: &mut (), m: &mut *m, cache: &mut *cache, workspace: &mut *workspace };
     let (mut query, mut dir) = match Q::start(started, settings) {
         Ok(started) => started,

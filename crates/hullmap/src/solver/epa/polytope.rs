@@ -154,7 +154,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         // Now s is behind p q r.
         self.point_count = 0;
         seed.into_iter().for_each(|point| self.push(point));
-        self.face_count = 4;
+        self.set_face_count(4);
         self.corners[..4].copy_from_slice(&CORNERS);
         self.neighbours[..4].copy_from_slice(&NEIGHBOURS);
         self.update_planes(4)
@@ -176,7 +176,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         if corners.len() > F {
             return false;
         }
-        self.face_count = corners.len();
+        self.set_face_count(corners.len());
         for (face, (corners, neighbours)) in corners.iter().zip(neighbours).enumerate() {
             (self.corners[face], self.neighbours[face]) = (corners.map(u16::from), neighbours.map(u16::from));
         }
@@ -224,6 +224,16 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         all_solid
     }
 
+    /// Uses more places, which are free up to the next multiple of [`OFFSET_LANES`].
+    #[inline(always)]
+    fn set_face_count(&mut self, count: usize) {
+        let [before, after] = [self.face_count, count].map(|count| count.next_multiple_of(OFFSET_LANES).min(F));
+        if after > before {
+            self.offsets[before..after].fill(f64::INFINITY);
+        }
+        self.face_count = count;
+    }
+
     fn is_free(&self, face: usize) -> bool {
         self.corners[face][0] == self.corners[face][1]
     }
@@ -231,8 +241,6 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     /// Leaves no surface. `noise` is the error bound of offsets, a length.
     #[inline(always)]
     pub(in crate::solver) fn clear(&mut self, noise: f64) {
-        self.offsets.fill(f64::INFINITY);
-        self.corners.fill([0; 3]);
         (self.point_count, self.face_count, self.nearest, self.encloses) = (0, 0, 0, false);
         (self.dispatch, self.slack) = (Dispatch::best(), COPLANAR_NOISES * noise);
     }
@@ -241,8 +249,6 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     #[inline(always)]
     pub(in crate::solver) fn overwrite<const W: usize, const G: usize>(&self, big: &mut Polytope<W, G>) {
         // Field by field: an empty polytope would take the stack that this saves.
-        big.offsets.fill(f64::INFINITY);
-        big.corners.fill([0; 3]);
         big.encloses = false;
         (big.dispatch, big.slack) = (self.dispatch, self.slack);
         for axis in 0..3 {
@@ -252,13 +258,14 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         big.features[..self.point_count].copy_from_slice(&self.features[..self.point_count]);
         big.point_count = self.point_count;
         let n = self.face_count;
+        big.face_count = 0;
+        big.set_face_count(n);
         big.corners[..n].copy_from_slice(&self.corners[..n]);
         big.neighbours[..n].copy_from_slice(&self.neighbours[..n]);
         for (big, small) in big.planes.iter_mut().zip(&self.planes) {
             big[..n].copy_from_slice(&small[..n]);
         }
         big.offsets[..n].copy_from_slice(&self.offsets[..n]);
-        big.face_count = n;
         big.nearest = self.nearest;
     }
 
@@ -460,7 +467,7 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
         }
         self.removed[removed] = self.face_count as u16;
         self.removed[removed + 1] = self.face_count as u16 + 1;
-        self.face_count += new;
+        self.set_face_count(self.face_count + new);
         for spare in horizon..removed {
             let spare = usize::from(self.removed[spare]);
             self.corners[spare] = [0; 3];
