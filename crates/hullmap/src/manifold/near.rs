@@ -4,6 +4,7 @@
 
 use crate::pose::Pose;
 use crate::shapes::Shape;
+use crate::solver::known_separation;
 use crate::solver::triangle_face::{self, FaceContact};
 use crate::solver::{Cache, Contact, Distance, Minkowski, Settings, Status, queries};
 use glam::DVec3;
@@ -51,7 +52,11 @@ pub(super) fn near_contact<A: Shape + ?Sized, B: Shape + ?Sized>(
     {
         return Near { contact, depth, width: 0.0, status: Status::Exact };
     }
-    let mut contact = queries::contact(a, b, b_in_a, settings, cache);
+    let apart = known_separation((a, b, b_in_a), cache);
+    let mut contact = match apart {
+        Some((contact, _)) => contact,
+        None => queries::contact(a, b, b_in_a, settings, cache),
+    };
     if contact.hit && contact.status == Status::Within && width(&contact) > 0.5 * off {
         contact = narrowed((a, b, b_in_a), settings, (contact, off), cache);
     }
@@ -59,7 +64,8 @@ pub(super) fn near_contact<A: Shape + ?Sized, B: Shape + ?Sized>(
     if contact.hit {
         return Near { contact, depth, width: width(&contact), status };
     }
-    let Some(gap) = distance_within((a, b, b_in_a), contact.normal, prediction, settings, cache) else {
+    let distance = apart.map(|(_, distance)| distance);
+    let Some(gap) = distance_within((a, b, b_in_a), (contact.normal, distance), prediction, settings, cache) else {
         return Near { contact, depth: f64::NEG_INFINITY, width: 0.0, status };
     };
     (contact.normal, contact.point_a, contact.point_b) = (gap.normal, gap.point_a, gap.point_b);
@@ -90,15 +96,17 @@ fn narrowed<A: Shape + ?Sized, B: Shape + ?Sized>(
     Contact { status, iterations, support_calls: contact.support_calls + narrow.support_calls, ..found }
 }
 
-/// The distance of shapes that `axis` separates; `None` if it is above `prediction`.
+/// The distance of shapes that an axis separates, perhaps with a known lower bound; `None` if it is
+/// above `prediction`.
 fn distance_within<A: Shape + ?Sized, B: Shape + ?Sized>(
     (a, b, b_in_a): (&A, &B, Pose),
-    axis: DVec3,
+    (axis, known): (DVec3, Option<f64>),
     prediction: f64,
     settings: &Settings,
     cache: &mut Cache,
 ) -> Option<Distance> {
-    if -Minkowski::new(a, b, b_in_a).support(axis).w.dot(axis) > prediction {
+    let along = || -Minkowski::new(a, b, b_in_a).support(axis).w.dot(axis);
+    if known.is_some_and(|known| known > prediction) || along() > prediction {
         return None;
     }
     let gap = queries::distance(a, b, b_in_a, settings, cache);

@@ -27,31 +27,16 @@ pub(super) fn settle<A: Shape + ?Sized, B: Shape + ?Sized>(
     above: f64,
     point: &mut PatchPoint,
 ) -> bool {
-    settle_within((a, b, b_in_a), frame, features, [above, f64::INFINITY], point)
-}
-
-/// [`settle`] for a point that is needed only if its depth is at least −`gap`: if it is less,
-/// returns false as well.
-pub(super) fn settle_within<A: Shape + ?Sized, B: Shape + ?Sized>(
-    (a, b, b_in_a): (&A, &B, Pose),
-    frame: &Frame,
-    features: &[Feature; 2],
-    [above, gap]: [f64; 2],
-    point: &mut PatchPoint,
-) -> bool {
     let [on_a, on_b] = point.exact;
-    if !on_a {
-        let near = nearest(&features[0], frame, point);
-        let until = if on_b { above - point.heights[1] + gap } else { f64::INFINITY };
-        let Some(t) = entry(a, frame.point(point.at, above), -frame.normal, near, until) else { return false };
-        point.heights[0] = above - t;
+    let lengths = [above, f64::INFINITY];
+    if !on_a && !settle_a(a, frame, nearest(&features[0], frame, point.at).0, lengths, point) {
+        return false;
     }
-    let until = above + point.heights[0] + gap;
-    if !on_b && !settle_b((b, b_in_a), frame, nearest(&features[1], frame, point), [above, until], point) {
+    if !on_b && !settle_b((b, b_in_a), frame, nearest(&features[1], frame, point.at).0, lengths, point) {
         return false;
     }
     point.exact = [true; 2];
-    point.depth() >= -gap
+    true
 }
 
 /// The contact's own point, between its points on A and on B, on both surfaces, from `above` them;
@@ -107,8 +92,21 @@ fn inward<A: Shape + ?Sized, B: Shape + ?Sized>(
     [(to_a + to_b).normalize_or_zero(), to_a, to_b].into_iter().map(move |way| at + way * (INWARD * reach))
 }
 
-/// [`settle`] for the surface of B alone, up to the length `until` from there. `near` is a vertex
-/// of B close to the point.
+/// [`settle`] for the surface of A alone, up to the length `until` from there. `near` is a vertex
+/// of A close to the point.
+pub(super) fn settle_a<A: Shape + ?Sized>(
+    a: &A,
+    frame: &Frame,
+    near: u32,
+    [above, until]: [f64; 2],
+    point: &mut PatchPoint,
+) -> bool {
+    let Some(t) = entry(a, frame.point(point.at, above), -frame.normal, near, until) else { return false };
+    point.heights[0] = above - t;
+    true
+}
+
+/// As [`settle_a`], for B.
 pub(super) fn settle_b<B: Shape + ?Sized>(
     (b, b_in_a): (&B, Pose),
     frame: &Frame,
@@ -128,9 +126,9 @@ fn entry<S: Shape + ?Sized>(shape: &S, from: DVec3, direction: DVec3, near: u32,
     shape.entry(&Ray::new(from, direction).ok()?, near, until)
 }
 
-/// The vertex of a corner of `feature` that is nearest to `point`.
-fn nearest(feature: &Feature, frame: &Frame, point: &PatchPoint) -> u32 {
-    let distance = |corner: DVec3| frame.projected(corner).distance_squared(point.at);
+/// The vertex of a corner of `feature` that is nearest to the place `at`, and how far it is.
+pub(super) fn nearest(feature: &Feature, frame: &Frame, at: DVec2) -> (u32, f64) {
+    let distance = |corner: DVec3| frame.projected(corner).distance_squared(at);
     let corners = feature.corners().iter().map(|corner| (distance(corner.point), corner.vertex));
-    corners.min_by(|p, q| p.0.total_cmp(&q.0)).map_or(0, |(_, vertex)| vertex)
+    corners.min_by(|p, q| p.0.total_cmp(&q.0)).map_or((0, f64::INFINITY), |(square, vertex)| (vertex, square.sqrt()))
 }

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use super::clip::{FACE, Frame, Patch, PatchPoint};
 use super::lengths::Lengths;
 use super::select::{Choice, SAME_PLACE, Spot};
-use super::surface::settle_within;
+use super::surface::{nearest, settle_a, settle_b};
 use crate::pose::Pose;
 use crate::shapes::feature::tilted_toward;
 use crate::shapes::{Feature, Shape, TILT};
@@ -14,6 +14,10 @@ use crate::support::SupportPoint;
 /// Distance from the centre, relative to the smaller shape's outer radius, of a point on which a
 /// body balances.
 const BALANCED: f64 = 0.05;
+
+/// Distance of a corner, relative to the outer radius, up to which a walk to a place from there is
+/// short.
+const NEAR: f64 = 0.2;
 
 /// Tangent of the maximum angle between the normal and a direction in which a tipping body's far
 /// side is searched for.
@@ -72,15 +76,22 @@ pub(super) fn widen<A: Shape + ?Sized, B: Shape + ?Sized>(
         if 0.5 * lengths.depth - below - drop(other, frame, at) < -lengths.prediction {
             return;
         }
-        let (parts, exact) = ([[vertex; 2], FACE], [true, false]);
-        let (parts, exact) = if a_is_smaller { (parts, exact) } else { ([parts[1], parts[0]], [false, true]) };
+        let parts = if a_is_smaller { [[vertex; 2], FACE] } else { [FACE, [vertex; 2]] };
         let is_same = |known: &PatchPoint| known.parts == parts || known.at.distance(at) <= SAME_PLACE * lengths.reach;
         if patch.points().iter().any(is_same) {
             return;
         }
-        let mut point = PatchPoint { at, heights, exact, is_moved: false, parts };
-        let [above, gap] = [lengths.height_above(), lengths.prediction];
-        if settle_within((a, b, b_in_a), frame, features, [above, gap], &mut point) {
+        let mut point = PatchPoint { at, heights, exact: [true; 2], is_moved: false, parts };
+        let above = lengths.height_above();
+        let until = above - below + lengths.prediction;
+        let is_there = if a_is_smaller {
+            let near = near((b, b_in_a), other, frame, at, -1.0);
+            settle_b((b, b_in_a), frame, near, [above, until], &mut point)
+        } else {
+            let near = near((a, Pose::IDENTITY), other, frame, at, 1.0);
+            settle_a(a, frame, near, [above, until], &mut point)
+        };
+        if is_there && point.depth() >= -lengths.prediction {
             patch.push(point);
         }
     };
@@ -95,6 +106,18 @@ pub(super) fn widen<A: Shape + ?Sized, B: Shape + ?Sized>(
             add(b_in_a.transform_point(support.point), support.feature);
         }
     }
+}
+
+/// A vertex of a shape near the place `at`, on the side of `sign` times the normal of `frame`. It is
+/// a corner of its feature, or the support point along the normal of a ball around the shape there.
+fn near<S: Shape + ?Sized>((shape, pose): (&S, Pose), feature: &Feature, frame: &Frame, at: DVec2, sign: f64) -> u32 {
+    let (corner, distance) = nearest(feature, frame, at);
+    if distance <= NEAR * shape.outer_radius() {
+        return corner;
+    }
+    let side = (at - frame.projected(pose.transform_point(shape.interior_point()))) / shape.outer_radius();
+    let normal = frame.vector(side) + frame.normal * (sign * (1.0 - side.length_squared()).max(0.0).sqrt());
+    shape.support_point(pose.inverse_transform_vector(normal)).feature
 }
 
 /// How far the surface of a shape with this feature is below its support plane at least.

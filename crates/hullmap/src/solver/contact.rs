@@ -54,6 +54,27 @@ pub(super) fn core_contact<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
     at_once::<A, B, ContactQuery>((a, b, b_in_a), settings, cache)
 }
 
+/// The contact of shapes that the balls around them or the last axis separate, and a lower bound of
+/// their distance: what [`core_contact`] answers first. `None` for rounded shapes, and if it takes
+/// a search.
+pub(crate) fn known_separation<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
+    (a, b, b_in_a): (&A, &B, Pose),
+    cache: &mut Cache,
+) -> Option<(Contact, f64)> {
+    if a.convex_radius() + b.convex_radius() > 0.0 {
+        return None;
+    }
+    let mut m = Minkowski::new(a, b, b_in_a);
+    match ContactQuery::glance(&m, cache)? {
+        Step::Answer(found) => Some((found, m.center_point().w.length() - m.outer_radius())),
+        Step::Ask(axis) => {
+            let point = m.point(axis);
+            let found = ContactQuery::separated(&m, cache, axis, &point)?;
+            Some((found, -point.w.dot(axis)))
+        }
+    }
+}
+
 /// Contact by the separating axis test alone, whether it pays or not; `None` if it does not decide,
 /// or if a shape has no facets. For tests and benchmarks.
 ///

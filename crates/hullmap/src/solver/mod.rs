@@ -66,9 +66,9 @@ pub(crate) mod triangle_face;
 pub use answer::Contact;
 pub use cache::Cache;
 pub use cast::Impact;
-pub(crate) use contact::ContactQuery;
 #[doc(hidden)]
 pub use contact::contact_by_facets;
+pub(crate) use contact::{ContactQuery, known_separation};
 pub use distance::Distance;
 pub(crate) use distance::DistanceQuery;
 pub use intersection::Intersection;
