@@ -11,6 +11,7 @@ pub mod options;
 mod project;
 #[cfg(test)]
 mod reference;
+pub mod running;
 #[cfg(test)]
 mod tests;
 pub mod usd;
@@ -38,10 +39,10 @@ use hullmap_pipeline::options::table::Section;
 use limits::LimitArgs;
 use numbers::{at_least_one, size};
 use options::{OptionFlags, joined, with_set};
+use running::{RUNNING, RunArgs, ThreadArgs};
 use verify::VerifyArgs;
 
 const FILES: &str = Section::Files.heading();
-const RUNNING: &str = "Running";
 
 /// Default of `--memory` in bytes: what a machine with 8 GiB can spare.
 pub const DEFAULT_MEMORY: u64 = 4 << 30;
@@ -183,25 +184,6 @@ impl MeshArgs {
     }
 }
 
-#[derive(Clone, Copy, Debug, clap::Args)]
-pub struct RunArgs {
-    /// Number of threads [default: one per core] [env: HULLMAP_JOBS]
-    #[arg(short, long, env = "HULLMAP_JOBS", hide_env = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = RUNNING)]
-    pub jobs: Option<u16>,
-    /// Maximum memory of all files at once [default: 4G] [env: HULLMAP_MEMORY]
-    #[arg(long, env = "HULLMAP_MEMORY", hide_env = true, hide_short_help = true, value_name = "SIZE", value_parser = size, help_heading = RUNNING)]
-    pub memory: Option<u64>,
-    /// List fresh packs too, and all notes
-    #[arg(short, long, hide_short_help = true, help_heading = RUNNING)]
-    pub verbose: bool,
-    /// Print only errors
-    #[arg(short, long, hide_short_help = true, conflicts_with = "verbose", help_heading = RUNNING)]
-    pub quiet: bool,
-    /// Print one JSON object per file
-    #[arg(long, hide_short_help = true, help_heading = RUNNING)]
-    pub json: bool,
-}
-
 #[derive(Debug, clap::Args)]
 pub struct BuildArgs {
     #[command(flatten)]
@@ -255,10 +237,13 @@ pub struct DecomposeArgs {
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// File of the parts; its extension names the format: obj or glb
-    #[arg(value_name = "OUT", required_unless_present = "curve", conflicts_with = "curve")]
-    pub output: Option<PathBuf>,
+    #[arg(value_name = "OUT", required_unless_present_any = ["out", "curve"])]
+    output: Option<PathBuf>,
+    /// The same as OUT
+    #[arg(short, long, value_name = "OUT", conflicts_with = "output")]
+    out: Option<PathBuf>,
     /// Write no file, and print how many parts errors around the maximum error give
-    #[arg(long, help_heading = RUNNING, conflicts_with_all = ["max_parts", "force"])]
+    #[arg(long, help_heading = RUNNING, conflicts_with_all = ["output", "out", "max_parts", "force"])]
     pub curve: bool,
     #[command(flatten)]
     pub options: OptionFlags,
@@ -267,12 +252,24 @@ pub struct DecomposeArgs {
     /// Replace OUT, also if bake did not write it
     #[arg(long, help_heading = RUNNING)]
     pub force: bool,
-    /// Print only errors
+    #[command(flatten)]
+    pub threads: ThreadArgs,
+    /// Print all notes
     #[arg(short, long, help_heading = RUNNING)]
+    pub verbose: bool,
+    /// Print only errors
+    #[arg(short, long, conflicts_with = "verbose", help_heading = RUNNING)]
     pub quiet: bool,
     /// Print one JSON object
     #[arg(long, help_heading = RUNNING)]
     pub json: bool,
+}
+
+impl DecomposeArgs {
+    /// The file to write; `None` with `--curve`.
+    pub fn file(&self) -> Option<&Path> {
+        self.output.as_deref().or(self.out.as_deref())
+    }
 }
 
 #[derive(Debug, clap::Args)]
@@ -496,6 +493,11 @@ pub struct ReportArgs {
     pub seed: u64,
     #[command(flatten)]
     pub limits: LimitArgs,
+    #[command(flatten)]
+    pub threads: ThreadArgs,
+    /// Print only errors
+    #[arg(short, long, help_heading = RUNNING)]
+    pub quiet: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -657,7 +659,17 @@ impl Command {
             Self::Decompose(args) => args.quiet,
             Self::Verify(args) => args.quiet,
             Self::Export(args) => args.quiet,
+            Self::Report(args) => args.quiet,
             _ => false,
+        }
+    }
+
+    /// Number of threads of a command that starts none of its own.
+    pub fn threads(&self) -> Option<u16> {
+        match self {
+            Self::Verify(args) => args.threads.jobs,
+            Self::Report(args) => args.threads.jobs,
+            _ => None,
         }
     }
 

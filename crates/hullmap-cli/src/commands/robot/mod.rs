@@ -119,7 +119,7 @@ pub fn run(args: &RobotArgs, out: &mut Output) -> Result<Exit, Failure> {
         rows.push(row);
     }
     let changed = rows.iter().filter(|row| row.status != Status::Fresh).map(|row| (&*row.file, &*row.notes));
-    let mut notes = Notes::new(changed, &args.run);
+    let mut notes = Notes::new(changed, args.run.verbose);
     rows.iter().for_each(|row| row.print_messages(&mut notes));
     let written = match args.run.json {
         true => rows.iter().try_for_each(|row| out.json(row)).map_err(Failure::from),
