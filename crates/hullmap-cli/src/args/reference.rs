@@ -31,7 +31,8 @@ fn typed(arg: &Arg) -> String {
 fn meaning(arg: &Arg) -> String {
     // The keys of --set are listed below it.
     let help = arg.get_long_help().filter(|_| arg.get_id() != "set").or(arg.get_help());
-    let help = help.map(ToString::to_string).unwrap_or_default();
+    // A second paragraph is for this page.
+    let help = help.map(|help| help.to_string().replace("\n\n", ". ")).unwrap_or_default();
     assert!(!help.is_empty(), "no help: {}", typed(arg));
     let values: Vec<_> = arg.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
     match values.as_slice() {

@@ -6,7 +6,7 @@ pub const RUNNING: &str = "Running";
 
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct ThreadArgs {
-    /// Number of threads [default: one per core] [env: HULLMAP_JOBS]
+    /// Threads [default: one per core] [env: HULLMAP_JOBS]
     #[arg(short, long, env = "HULLMAP_JOBS", hide_env = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = RUNNING)]
     pub jobs: Option<u16>,
 }
@@ -15,7 +15,9 @@ pub struct ThreadArgs {
 pub struct RunArgs {
     #[command(flatten)]
     pub threads: ThreadArgs,
-    /// Maximum memory of all files at once [default: 4G] [env: HULLMAP_MEMORY]
+    /// Maximum memory [default: 4G] [env: HULLMAP_MEMORY]
+    ///
+    /// It is for all files in progress
     #[arg(long, env = "HULLMAP_MEMORY", hide_env = true, hide_short_help = true, value_name = "SIZE", value_parser = size, help_heading = RUNNING)]
     pub memory: Option<u64>,
     /// List fresh packs too, and all notes
