@@ -484,8 +484,8 @@ fn changes(
     Ok(changes)
 }
 
-/// Inertias of the links whose collisions are all closed meshes. A warning names each other link
-/// that states a mass.
+/// Inertias of the links whose collisions are all watertight meshes. A warning names each other
+/// link that states a mass.
 fn inertias(description: &Description, choices: &Choices, hulls: &[Hulls], row: &mut Row) -> Vec<Change> {
     let mut changes = Vec::new();
     for (index, link) in description.links.iter().enumerate() {
@@ -504,7 +504,7 @@ fn inertias(description: &Description, choices: &Choices, hulls: &[Hulls], row: 
                 inertia: tensor.transpose().to_cols_array_2d(),
             }),
             None => row.warnings.push(format!(
-                "{}:{}: link `{}` keeps its inertia, because its collisions are not all closed meshes that were baked",
+                "{}:{}: link `{}` keeps its inertia, because not all of its collisions are watertight meshes that were baked",
                 row.file, link.line, link.name
             )),
         }
