@@ -232,6 +232,12 @@ fn bake(args: &RobotArgs, robots: &[Prepared], project: &Path) -> Result<Vec<(bu
     run_jobs(&jobs, &build, &args.run)
 }
 
+/// The mesh and the reason, if its hulls are stale or missing.
+fn why_stale(own: &build_rows::Row) -> Option<String> {
+    let is_stale = matches!(own.status, build_rows::Status::Stale | build_rows::Status::Missing);
+    is_stale.then(|| format!("{}: {}", shown(Path::new(&own.source)), own.reason.as_deref().unwrap_or("stale")))
+}
+
 fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row: &mut Row) -> Result<Exit, Failure> {
     row.format = Some(robot.description.format.name());
     row.links = Some(robot.description.links.len());
@@ -258,11 +264,7 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
         let exit = baked.iter().map(|(_, exit)| *exit).max().unwrap_or(Exit::Rejected);
         return Err(Failure { exit, message: format!("{last}; a rule or --exclude leaves its link alone") });
     }
-    let stale = baked.iter().filter_map(|(own, _)| {
-        let is_stale = matches!(own.status, build_rows::Status::Stale | build_rows::Status::Missing);
-        is_stale.then(|| format!("{}: {}", shown(Path::new(&own.source)), own.reason.as_deref().unwrap_or("stale")))
-    });
-    let stale: Vec<String> = stale.collect();
+    let stale: Vec<String> = baked.iter().filter_map(|(own, _)| why_stale(own)).collect();
     if !stale.is_empty() {
         row.status = if target.file.exists() { Status::Stale } else { Status::Missing };
         row.reason = Some(stale.join("; "));
