@@ -402,7 +402,7 @@ enum HullmapSolid
  {
     // The hull was not measured: it is not a part, or its mesh was not known.
     HULLMAP_SOLID_UNMEASURED = 0,
-    // The mesh is closed.
+    // The mesh is watertight.
     HULLMAP_SOLID_WATERTIGHT = 1,
     // The mesh has holes, which were closed.
     HULLMAP_SOLID_CLOSED = 2,

@@ -11,6 +11,7 @@ pub mod options;
 mod project;
 #[cfg(test)]
 mod reference;
+pub mod running;
 #[cfg(test)]
 mod tests;
 pub mod usd;
@@ -38,10 +39,10 @@ use hullmap_pipeline::options::table::Section;
 use limits::LimitArgs;
 use numbers::{at_least_one, size};
 use options::{OptionFlags, joined, with_set};
+use running::{RUNNING, RunArgs, ThreadArgs};
 use verify::VerifyArgs;
 
 const FILES: &str = Section::Files.heading();
-const RUNNING: &str = "Running";
 
 /// Default of `--memory` in bytes: what a machine with 8 GiB can spare.
 pub const DEFAULT_MEMORY: u64 = 4 << 30;
@@ -62,7 +63,7 @@ pub enum Command {
     #[command(after_help = "Examples:\n  \
                       bake build assets --out baked --exclude drafts    (convex hulls)\n  \
                       bake build chair.glb --out baked --decompose      (convex parts)\n  \
-                      bake build level.obj --out baked --keep-triangles --unit-scale 0.01 --up-axis z-to-y")]
+                      bake build level.obj --out baked --keep-triangles (a static mesh)")]
     Build(Box<BuildArgs>),
     /// Decompose a mesh file into a file of convex parts, without a pack
     #[command(after_help = "Examples:\n  \
@@ -71,9 +72,9 @@ pub enum Command {
     Decompose(Box<DecomposeArgs>),
     /// Replace collision meshes in robots: URDF, MJCF, SDF
     #[command(after_help = "Examples:\n  \
-                      bake robot arm.urdf --out arm_hulls.urdf                          (exact hulls)\n  \
-                      bake robot arm.xml --out baked --decompose --max-error 2mm        (parts)\n  \
-                      bake robot arm.urdf --out arm_hulls.urdf --check                  (in CI: exit 1 if it would change)")]
+                      bake robot arm.urdf --out arm_hulls.urdf                   (exact hulls)\n  \
+                      bake robot arm.xml --out baked --decompose --max-error 2mm (parts)\n  \
+                      bake robot arm.urdf --out arm_hulls.urdf --check           (for CI)")]
     Robot(Box<RobotArgs>),
     /// Verify packs against the meshes they were baked from
     #[command(after_help = "Example:\n  bake verify baked --source assets --directions 200000")]
@@ -81,11 +82,11 @@ pub enum Command {
     /// Write hulls as meshes, into glTF, or as a layer of USD
     #[command(after_help = "Examples:\n  \
                       bake export baked/rock.hullmap --out rock.glb\n  \
-                      bake export baked/chair.hullmap --for unreal --name SM_Chair --out UCX_chair.glb\n  \
+                      bake export baked/chair.hullmap --for unreal --out UCX_chair.glb\n  \
                       bake export baked --for godot --out collision          (a file per pack)\n  \
                       bake export baked/car.hullmap --into car.glb --for both --out car_physics.glb\n  \
                       bake export baked/arm.hullmap --for urdf --out arm\n  \
-                      bake export baked/seat.hullmap --for usd --prim /World/chair --asset ./chair.usd --out hulls.usda")]
+                      bake export baked/seat.hullmap --for usd --prim /World/seat --out hulls.usda")]
     Export(ExportArgs),
     /// Describe the hulls in packs
     #[command(after_help = "Example:\n  bake inspect baked/gear.hullmap --json")]
@@ -141,7 +142,7 @@ pub enum Farm {
 
 #[derive(Clone, Debug, clap::Args)]
 pub struct MeshArgs {
-    /// Mesh files (OBJ, glTF, GLB, STL, PLY, COLLADA, MSH), or folders to search for them
+    /// Meshes (OBJ, glTF, GLB, STL, PLY, COLLADA, MSH), or folders
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
     /// The meshes and folders of a project that were named, if `inputs` are its sources.
@@ -151,16 +152,16 @@ pub struct MeshArgs {
     pub options: OptionFlags,
     #[command(flatten)]
     pub limits: LimitArgs,
-    /// Read options from FILE, or `none` [default: the nearest hullmap.toml]
+    /// Read FILE, or `none` [default: the nearest hullmap.toml]
     #[arg(long, hide_short_help = true, value_name = "FILE", help_heading = FILES)]
     pub config: Option<PathBuf>,
     /// Leave out meshes and folders that match GLOB; repeatable
     #[arg(long, hide_short_help = true, value_name = "GLOB", value_parser = Glob::new, help_heading = FILES)]
     pub exclude: Vec<Glob>,
-    /// In folders, also bake hidden meshes, and meshes that a .gitignore names
+    /// Bake hidden meshes too, and those that .gitignore names
     #[arg(long, hide_short_help = true, help_heading = FILES)]
     pub no_ignore: bool,
-    /// In folders, bake only meshes of these formats; for instance `obj,glb`
+    /// In folders, bake only these formats, such as obj,glb
     #[arg(
         long, hide_short_help = true, value_name = "LIST", value_delimiter = ',', help_heading = FILES, ignore_case = true,
         value_parser = PossibleValuesParser::new(EXTENSIONS.into_iter().chain(height_field::EXTENSIONS))
@@ -183,48 +184,35 @@ impl MeshArgs {
     }
 }
 
-#[derive(Clone, Copy, Debug, clap::Args)]
-pub struct RunArgs {
-    /// Number of threads [default: one per core] [env: HULLMAP_JOBS]
-    #[arg(short, long, env = "HULLMAP_JOBS", hide_env = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = RUNNING)]
-    pub jobs: Option<u16>,
-    /// Maximum memory of all files at once [default: 4G] [env: HULLMAP_MEMORY]
-    #[arg(long, env = "HULLMAP_MEMORY", hide_env = true, hide_short_help = true, value_name = "SIZE", value_parser = size, help_heading = RUNNING)]
-    pub memory: Option<u64>,
-    /// List fresh packs too, and all notes
-    #[arg(short, long, hide_short_help = true, help_heading = RUNNING)]
-    pub verbose: bool,
-    /// Print only errors
-    #[arg(short, long, hide_short_help = true, conflicts_with = "verbose", help_heading = RUNNING)]
-    pub quiet: bool,
-    /// Print one JSON object per file
-    #[arg(long, hide_short_help = true, help_heading = RUNNING)]
-    pub json: bool,
-}
-
 #[derive(Debug, clap::Args)]
 pub struct BuildArgs {
     #[command(flatten)]
     pub meshes: MeshArgs,
-    /// Write packs to DIR [default: `output` of hullmap.toml]
+    /// Write packs to DIR [default: as hullmap.toml says]
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
     /// Bake every mesh, even if its pack is fresh
     #[arg(long, hide_short_help = true, help_heading = RUNNING)]
     pub force: bool,
-    /// Bake nothing; list stale and missing packs, and exit with 1 if there are any
+    /// Bake nothing; exit with 1 if packs are stale or missing
+    ///
+    /// They are listed
     #[arg(long, conflicts_with_all = ["force", "verify", "watch", "depfile"], help_heading = RUNNING)]
     pub check: bool,
-    /// Remove packs whose source is gone; with --check, exit with 1 if there are any
+    /// Remove packs whose source is gone
+    ///
+    /// With --check, exit with 1 if there are any
     #[arg(long, hide_short_help = true, help_heading = FILES)]
     pub prune: bool,
     /// Verify each pack before it replaces the old one
     #[arg(long, hide_short_help = true, help_heading = RUNNING)]
     pub verify: bool,
-    /// Keep running, and bake files that change or whose packs are deleted
+    /// Keep running, and bake files that change
+    ///
+    /// Files whose packs are deleted are baked, too
     #[arg(long, hide_short_help = true, help_heading = RUNNING)]
     pub watch: bool,
-    /// Write the dependencies of each pack to FILE, for Ninja and Make
+    /// Write dependencies to FILE, for Ninja and Make
     #[arg(long, hide_short_help = true, value_name = "FILE", help_heading = FILES)]
     pub depfile: Option<PathBuf>,
     /// Write a single target, which depends on all sources and folders, to the depfile
@@ -235,7 +223,9 @@ pub struct BuildArgs {
     /// The shard of `bake farm build`.
     #[arg(skip)]
     pub shard: Option<Shard>,
-    /// Take finished packs from DIR, and add baked ones [env: HULLMAP_CACHE]
+    /// Share finished packs in DIR [env: HULLMAP_CACHE]
+    ///
+    /// Takes packs of other machines and branches from it, and adds baked ones
     #[arg(long, env = "HULLMAP_CACHE", hide_env = true, value_name = "DIR", hide_short_help = true, help_heading = FILES)]
     pub cache: Option<PathBuf>,
 }
@@ -255,10 +245,15 @@ pub struct DecomposeArgs {
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// File of the parts; its extension names the format: obj or glb
-    #[arg(value_name = "OUT", required_unless_present = "curve", conflicts_with = "curve")]
-    pub output: Option<PathBuf>,
-    /// Write no file, and print how many parts errors around the maximum error give
-    #[arg(long, help_heading = RUNNING, conflicts_with_all = ["max_parts", "force"])]
+    #[arg(value_name = "OUT", required_unless_present_any = ["out", "curve"])]
+    output: Option<PathBuf>,
+    /// The same as OUT
+    #[arg(short, long, value_name = "OUT", conflicts_with = "output")]
+    out: Option<PathBuf>,
+    /// Write no file; print how many parts each error gives
+    ///
+    /// The errors are around the maximum error
+    #[arg(long, help_heading = RUNNING, conflicts_with_all = ["output", "out", "max_parts", "force"])]
     pub curve: bool,
     #[command(flatten)]
     pub options: OptionFlags,
@@ -267,12 +262,24 @@ pub struct DecomposeArgs {
     /// Replace OUT, also if bake did not write it
     #[arg(long, help_heading = RUNNING)]
     pub force: bool,
-    /// Print only errors
+    #[command(flatten)]
+    pub threads: ThreadArgs,
+    /// Print all notes
     #[arg(short, long, help_heading = RUNNING)]
+    pub verbose: bool,
+    /// Print only errors
+    #[arg(short, long, conflicts_with = "verbose", help_heading = RUNNING)]
     pub quiet: bool,
     /// Print one JSON object
     #[arg(long, help_heading = RUNNING)]
     pub json: bool,
+}
+
+impl DecomposeArgs {
+    /// The file to write; `None` with `--curve`.
+    pub fn file(&self) -> Option<&Path> {
+        self.output.as_deref().or(self.out.as_deref())
+    }
 }
 
 #[derive(Debug, clap::Args)]
@@ -332,7 +339,9 @@ pub struct TaskArgs {
     /// Verify each pack before it replaces the old one
     #[arg(long)]
     pub verify: bool,
-    /// Take finished packs from DIR, and add baked ones [env: HULLMAP_CACHE]
+    /// Share finished packs in DIR [env: HULLMAP_CACHE]
+    ///
+    /// Takes packs of other machines and branches from it, and adds baked ones
     #[arg(long, env = "HULLMAP_CACHE", hide_env = true, value_name = "DIR")]
     pub cache: Option<PathBuf>,
     /// Write the results as JSON to FILE, and exit with 0 even if meshes were rejected
@@ -375,31 +384,40 @@ pub struct RobotArgs {
     /// Robot descriptions: URDF, MJCF or SDF
     #[arg(required = true, value_name = "FILE")]
     pub inputs: Vec<PathBuf>,
-    /// File to write, or folder for all of them; hulls go to a folder beside each
+    /// File to write, or folder of several
+    ///
+    /// Hulls go to a folder beside each
     #[arg(short, long, value_name = "DIR|FILE")]
     pub out: PathBuf,
     #[command(flatten)]
     pub options: OptionFlags,
     #[command(flatten)]
     pub limits: LimitArgs,
-    /// Folder that contains packages or models, or is one itself; repeatable
-    #[arg(long = "package-path", value_name = "DIR", help_heading = FILES)]
+    /// Folder of packages or models; repeatable
+    ///
+    /// It contains them, or is one itself
+    #[arg(long = "package-path", hide_short_help = true, value_name = "DIR", help_heading = FILES)]
     pub packages: Vec<PathBuf>,
-    /// Links that get collisions from their visuals: links of URDF and SDF without one (missing),
-    /// all links, which lose their own (always), or none (never)
-    #[arg(long, value_enum, default_value_t = FromVisual::Missing, value_name = "missing|always|never")]
+    /// Make collisions from visuals: missing, always or never
+    ///
+    /// Visuals are used by links of URDF and SDF without a collision (missing), by all links, which
+    /// lose their own (always), or by none (never)
+    #[arg(long, value_enum, default_value_t = FromVisual::Missing, value_name = "RULE")]
     pub from_visual: FromVisual,
-    /// Leave the collisions of links that match GLOB alone; repeatable
-    #[arg(long, value_name = "GLOB", value_parser = Glob::new)]
+    /// Leave links that match GLOB alone; repeatable
+    #[arg(long, hide_short_help = true, value_name = "GLOB", value_parser = Glob::new)]
     pub exclude: Vec<Glob>,
-    /// Replace the inertia of each link by the inertia of its meshes, for the mass that the link
-    /// states
-    #[arg(long)]
+    /// Compute the inertia of links from their meshes
+    ///
+    /// The mass stays as the link states it
+    #[arg(long, hide_short_help = true)]
     pub inertia: bool,
-    /// Exclude contacts of pairs of links that touch in the neutral pose or in all poses. MJCF gets
-    /// `exclude` elements. A URDF file gets an SRDF file, which also has parents and children, and
-    /// pairs that touched in no random pose, which is no proof
-    #[arg(long, help_heading = FILES)]
+    /// Exclude contacts of pairs of links that always touch
+    ///
+    /// These are pairs that touch in the neutral pose or in all poses. MJCF gets `exclude`
+    /// elements. A URDF file gets an SRDF file, which also has parents and children, and pairs that
+    /// touched in no random pose, which is no proof
+    #[arg(long, hide_short_help = true, help_heading = FILES)]
     pub exclude_pairs: bool,
     /// Number of random configurations for the tests of pairs of links
     #[arg(long = "set samples", value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(0..=1_000_000), help_heading = FILES)]
@@ -407,16 +425,20 @@ pub struct RobotArgs {
     /// Seed of these random configurations
     #[arg(long = "set seed", value_name = "S", default_value_t = 0, help_heading = FILES)]
     pub seed: u64,
-    /// Write a page of the robot: links in 3D, joints, protrusion, pairs of links that touch
-    #[arg(long, value_name = "FILE.html", conflicts_with = "check", help_heading = FILES)]
+    /// Write a page of the robot: links in 3D, joints, pairs
+    ///
+    /// It states the protrusion, and the pairs of links that touch
+    #[arg(long, hide_short_help = true, value_name = "FILE.html", conflicts_with = "check", help_heading = FILES)]
     pub report: Option<PathBuf>,
-    /// Read options from FILE, or `none` [default: the nearest hullmap.toml above each description]
-    #[arg(long, value_name = "FILE", help_heading = FILES)]
+    /// Read FILE, or `none` [default: the nearest hullmap.toml]
+    #[arg(long, hide_short_help = true, value_name = "FILE", help_heading = FILES)]
     pub config: Option<PathBuf>,
     /// Bake every mesh again, and allow --out to name an input
-    #[arg(long, help_heading = RUNNING)]
+    #[arg(long, hide_short_help = true, help_heading = RUNNING)]
     pub force: bool,
-    /// Write nothing; list descriptions that would change, and exit with 1 if there are any
+    /// Write nothing; exit with 1 if a description would change
+    ///
+    /// Such descriptions are listed
     #[arg(long, conflicts_with = "force", help_heading = RUNNING)]
     pub check: bool,
     #[command(flatten)]
@@ -496,6 +518,11 @@ pub struct ReportArgs {
     pub seed: u64,
     #[command(flatten)]
     pub limits: LimitArgs,
+    #[command(flatten)]
+    pub threads: ThreadArgs,
+    /// Print only errors
+    #[arg(short, long, help_heading = RUNNING)]
+    pub quiet: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -549,7 +576,7 @@ pub fn command(program: &str) -> clap::Command {
     };
     let color = Arg::new("color").long("color").global(true).hide_short_help(true).hide_possible_values(true);
     let color = color.value_name("WHEN").value_parser(["auto", "always", "never"]);
-    let color = color.help("Print in colour: auto, always or never [default: auto]");
+    let color = color.help("Use colours: auto, always, never [default: auto]");
     let command =
         Cli::command().arg(color).bin_name(program).mut_subcommand("robot", of_robots).mut_subcommands(with_set);
     // CI sets variables to nothing where it has no value.
@@ -599,7 +626,7 @@ where
     };
     parse_words(&words).or_else(completed).map_err(|error| {
         if error.kind() == ErrorKind::DisplayHelp && words.iter().any(|word| word == "--help") {
-            return whole_help(&words).unwrap_or(error);
+            return help_of(&words, command(&program(&words))).unwrap_or(error);
         }
         // The error quotes arguments, which may be file names that a shell expanded.
         let escaped: Vec<OsString> = words.iter().map(|word| Escaped(word.display()).to_string().into()).collect();
@@ -607,18 +634,26 @@ where
     })
 }
 
+/// Arguments with all of their sentences in `--help`. The further sentences of the others are in
+/// docs/COMMAND.md and the manual pages.
+const EXPLAINED: [&str; 8] = ["set", "for_engine", "target", "into", "name", "density", "from_visual", "exclude_pairs"];
+
 /// The command with every flag in its short help.
 pub fn whole(command: clap::Command) -> clap::Command {
-    let shown = |arg: Arg| match arg.get_long_help().cloned() {
-        Some(help) => arg.help(help).hide_short_help(false),
-        None => arg.hide_short_help(false),
+    let shown = |arg: Arg| match arg.get_long_help() {
+        Some(help) if EXPLAINED.contains(&arg.get_id().as_str()) => {
+            let help = help.to_string().replace("\n\n", ". ");
+            arg.help(help).hide_short_help(false)
+        }
+        _ => arg.hide_short_help(false),
     };
     command.mut_args(shown).mut_subcommands(whole)
 }
 
-/// The help with every flag, one line each: clap's own `--help` takes three times as many lines.
-fn whole_help(words: &[OsString]) -> Option<clap::Error> {
-    let command = whole(command(&program(words)));
+/// The help that the words ask for. `--help` has every flag, one line each: clap's own takes three
+/// times as many lines.
+fn help_of(words: &[OsString], command: clap::Command) -> Option<clap::Error> {
+    let command = if words.iter().any(|word| word == "--help") { whole(command) } else { command };
     let short = |word: &OsString| if word == "--help" { OsString::from("-h") } else { word.clone() };
     command.try_get_matches_from(words.iter().map(short)).err()
 }
@@ -657,7 +692,17 @@ impl Command {
             Self::Decompose(args) => args.quiet,
             Self::Verify(args) => args.quiet,
             Self::Export(args) => args.quiet,
+            Self::Report(args) => args.quiet,
             _ => false,
+        }
+    }
+
+    /// Number of threads of a command that starts none of its own.
+    pub fn threads(&self) -> Option<u16> {
+        match self {
+            Self::Verify(args) => args.threads.jobs,
+            Self::Report(args) => args.threads.jobs,
+            _ => None,
         }
     }
 

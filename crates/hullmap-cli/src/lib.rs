@@ -35,6 +35,7 @@ use std::ffi::OsString;
 use args::export::Target;
 use args::{Cli, Command, Farm};
 use hullmap_pipeline::outcome::{Exit, Failure, end};
+use hullmap_pipeline::runner;
 use terminal::Output;
 
 /// Runs the command with these words, the name of the program (for help texts) first, and returns
@@ -54,9 +55,20 @@ pub fn run<W: Into<OsString> + Clone>(words: impl IntoIterator<Item = W>) -> u8 
         }
     };
     terminal::silence(cli.command.is_quiet());
+    let work = || run_command(&cli, &args::program(&words));
+    match cli.command.threads().map(|count| runner::threads(Some(count))) {
+        None => work(),
+        Some(Ok(pool)) => pool.install(work),
+        Some(Err(failure)) => {
+            terminal::error(&failure);
+            failure.exit as u8
+        }
+    }
+}
+
+fn run_command(cli: &Cli, program: &str) -> u8 {
     let mut out = Output::standard();
-    let result =
-        dispatch(&cli, &args::program(&words), &mut out).and_then(|exit| end(exit, out.flush().map_err(Into::into)));
+    let result = dispatch(cli, program, &mut out).and_then(|exit| end(exit, out.flush().map_err(Into::into)));
     match result {
         Ok(exit) => exit as u8,
         Err(failure) => {

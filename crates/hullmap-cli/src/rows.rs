@@ -11,7 +11,8 @@ use hullmap_pipeline::runner::one::Build;
 use hullmap_pipeline::runner::rows::{Origin, Row, Status};
 use hullmap_pipeline::runner::{self, Resources};
 
-use crate::args::{DEFAULT_MEMORY, MeshArgs, RunArgs};
+use crate::args::running::RunArgs;
+use crate::args::{DEFAULT_MEMORY, MeshArgs};
 use crate::progress::Progress;
 use crate::table::{Align, Table, or_dash};
 use crate::terminal::{self, Output};
@@ -41,7 +42,7 @@ pub fn jobs_of_folders(args: &MeshArgs, out: &Path) -> Result<(Vec<Job>, Exit), 
 }
 
 pub fn run_jobs(jobs: &[&Job], build: &Build, args: &RunArgs) -> Result<Vec<(Row, Exit)>, Failure> {
-    let resources = Resources { threads: args.jobs, memory: args.memory.unwrap_or(DEFAULT_MEMORY) };
+    let resources = Resources { threads: args.threads.jobs, memory: args.memory.unwrap_or(DEFAULT_MEMORY) };
     let results = runner::run(jobs, build, resources, Progress::new)?;
     if let Some(cache) = build.cache
         && let Some(trouble) = cache.take_trouble()
@@ -54,7 +55,7 @@ pub fn run_jobs(jobs: &[&Job], build: &Build, args: &RunArgs) -> Result<Vec<(Row
 /// Prints messages in the order of the rows. `prunes`: orphans were to be removed.
 pub fn print_messages(rows: &[Row], args: &RunArgs, prunes: bool) {
     let noted = |row: &&Row| row.status != Status::Orphaned;
-    let mut notes = Notes::new(rows.iter().filter(noted).map(|row| (&*row.source, &*row.notes)), args);
+    let mut notes = Notes::new(rows.iter().filter(noted).map(|row| (&*row.source, &*row.notes)), args.verbose);
     for row in rows {
         if row.status == Status::Orphaned {
             let remedy = match row.notes.first() {
@@ -86,12 +87,12 @@ pub struct Notes<'r> {
 
 impl<'r> Notes<'r> {
     /// The notes of `rows`: files and their notes.
-    pub fn new(rows: impl Iterator<Item = (&'r str, &'r [String])>, args: &RunArgs) -> Self {
+    pub fn new(rows: impl Iterator<Item = (&'r str, &'r [String])>, is_verbose: bool) -> Self {
         let mut advised: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
         for (file, note) in rows.flat_map(|(file, notes)| notes.iter().map(move |note| (file, note))) {
             advised.entry(advice(note).unwrap_or_default()).or_default().push(file);
         }
-        Self { is_verbose: args.verbose, advised }
+        Self { is_verbose, advised }
     }
 
     pub fn print(&mut self, file: &str, notes: &[String]) {

@@ -101,18 +101,19 @@ typedef struct {
     // Mean distance of the parts' visible surface from the mesh's solid. An estimate; NaN if it is
     // unknown.
     double mean_protrusion;
-    // Share of the solid's volume that is in no part. An estimate; NaN if the mesh is not closed.
+    // Share of the solid's volume that is in no part. An estimate; NaN if the mesh is not
+    // watertight.
     double voids;
-    // Volume of the solid that the mesh bounds; NaN if the mesh is not closed. The parts weigh
+    // Volume of the solid that the mesh bounds; NaN if the mesh is not watertight. The parts weigh
     // more, because they protrude and overlap.
     double volume;
-    // Centre of mass of that solid; NaN if the mesh is not closed.
+    // Centre of mass of that solid; NaN if the mesh is not watertight.
     double center[3];
     // Inertia tensor of that solid about its centre of mass at density 1, row by row; NaN if the
-    // mesh is not closed.
+    // mesh is not watertight.
     double inertia[9];
-    // The solid that the parts were measured against: 1 if the mesh is closed, 2 if its holes were
-    // closed, 3 for its walls; 0 without triangles.
+    // The solid that the parts were measured against: 1 if the mesh is watertight, 2 if its holes
+    // were closed, 3 for its walls; 0 without triangles.
     uint32_t solid;
 } HullmapDecomposeFacts;
 

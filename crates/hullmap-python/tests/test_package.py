@@ -278,15 +278,15 @@ def test_memory_is_freed():
     assert after - before < 40_000, f"{after - before} KB more"
 
 
-@pytest.mark.parametrize("script", ["plots.py", "motion.py", "decomposition.py"])
+@pytest.mark.parametrize("script", ["plots.py", "motion.py", "decomposition.py", "colliders.py"])
 def test_examples_run(script, tmp_path):
     if script != "motion.py":
         pytest.importorskip("matplotlib")
     path = PROJECT / "examples" / script
     if not path.exists():
         pytest.skip(f"{path} is not beside the tests")
-    if script == "decomposition.py" and not (PROJECT.parents[1] / "tests" / "meshes").exists():
-        pytest.skip("the teapot is in the repository alone")
+    if script in ("decomposition.py", "colliders.py") and not (PROJECT.parents[1] / "tests" / "meshes").exists():
+        pytest.skip("the meshes are in the repository alone")
     run = subprocess.run([sys.executable, str(path), str(tmp_path)], capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
     assert list(tmp_path.glob("*.png")) or list(tmp_path.glob("*.svg"))

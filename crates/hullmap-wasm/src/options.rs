@@ -44,7 +44,7 @@ export interface BakeOptions {
     /**
      * The solid of an open mesh: its inside, after its holes are closed; or its walls only, so that openings stay
      * open. "auto": open surfaces are walls if half of their area has faces on both sides, a hole has more than an
-     * eighth of it, or all holes together more than all of it; closed surfaces are solid.
+     * eighth of it, or all holes together more than all of it; watertight surfaces are solid.
      */
     solid?: "auto" | "closed" | "walls";
     /** Thickness of the parts of walls: a length, or a share of the diagonal. Default "0.5%". */

@@ -11,7 +11,7 @@ use super::geometry::Pose;
 pub enum Solid {
     /// The hull was not measured: it is not a part, or its mesh was not known.
     Unmeasured = 0,
-    /// The mesh is closed.
+    /// The mesh is watertight.
     Watertight = 1,
     /// The mesh has holes, which were closed.
     Closed = 2,

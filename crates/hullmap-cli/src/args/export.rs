@@ -13,21 +13,29 @@ pub struct ExportArgs {
     /// Baked files, or folders to search for them
     #[arg(required = true, value_name = "FILE|DIR")]
     pub packs: Vec<PathBuf>,
-    /// File to write, or folder if several files are written [default: standard output]
+    /// File to write, or folder [default: standard output]
+    ///
+    /// A folder if several files are written
     #[arg(short, long, value_name = "PATH")]
     pub out: Option<PathBuf>,
-    /// Format of the meshes [default: the extension of --out, or the usual one of the engine]
-    #[arg(long, value_enum, value_name = "obj|stl|glb|json|f32")]
+    /// Write obj, stl, glb, json or f32 [default: as --out]
+    ///
+    /// Without it, the extension of --out decides, or the engine
+    #[arg(long, value_enum, value_name = "FORMAT")]
     pub format: Option<Format>,
-    /// Use the names and files that an engine expects
-    #[arg(long = "for", value_enum, value_name = "unreal|godot|khr-physics|omi|both|mjcf|urdf|sdf|usd")]
+    /// Use the names and files of an engine
+    ///
+    /// One of unreal, godot, khr-physics, omi, both, mjcf, urdf, sdf or usd
+    #[arg(long = "for", value_enum, value_name = "ENGINE")]
     pub target: Option<Target>,
-    /// Add the hulls to this glTF file as colliders, below the nodes of their objects; with --for
-    /// khr-physics, omi, both, godot or unreal (also to an OBJ file)
+    /// Add the hulls to this glTF file, as colliders
+    ///
+    /// They go below the nodes of their objects. Requires --for khr-physics, omi, both, godot, or
+    /// unreal, which also takes an OBJ file
     #[arg(long, value_name = "FILE", requires = "target")]
     pub into: Option<PathBuf>,
     /// With --into, write static colliders, without masses
-    #[arg(long = "static", requires = "into")]
+    #[arg(long = "static", hide_short_help = true, requires = "into")]
     pub is_static: bool,
     /// Draft of KHR_physics_rigid_bodies
     #[arg(long = "set draft", value_enum, default_value_t = Draft::October2025, value_name = "2025-10|2026-06")]
@@ -35,29 +43,37 @@ pub struct ExportArgs {
     /// Export only this hull, by name or index; repeatable
     #[arg(long = "hull", value_name = "NAME")]
     pub hulls: Vec<String>,
-    /// Write one file per hull to a folder, named after the hulls
+    /// Write one file per hull to a folder
+    ///
+    /// Files are named after the hulls
     #[arg(long)]
     pub parts: bool,
-    /// Name of the render mesh (Unreal), node (Godot), body (MJCF), link (URDF, SDF) or prim of the
-    /// mesh (USD); one pack only
+    /// Name of the mesh, node, body, link or prim
+    ///
+    /// The render mesh of Unreal, the node of Godot, the body of MJCF, the link of URDF and SDF, or
+    /// the prim of the mesh in USD; one pack only
     #[arg(long, value_name = "NAME", requires = "target")]
     pub name: Option<String>,
     /// Also draw the hulls, in glTF with colliders
-    #[arg(long = "visible")]
+    #[arg(long = "visible", hide_short_help = true)]
     pub is_visible: bool,
     /// Prefix of file names in MJCF, URDF and SDF, for instance package://robot/meshes/
     #[arg(long = "set mesh_prefix", value_name = "PREFIX")]
     pub mesh_prefix: Option<String>,
-    /// Density for the masses in MJCF, URDF, SDF and USD, and with --into: kilograms per cubic unit
-    /// of the pack, with --into of the glTF file. Default 1000; in USD, 1000 per cubic metre
-    #[arg(long, value_name = "DENSITY", value_parser = density)]
+    /// Density for masses: kg per cubic unit; default 1000
+    ///
+    /// For MJCF, URDF, SDF and USD, and with --into. Units are the pack's, or with --into the glTF
+    /// file's; in USD, the default is 1000 per cubic metre
+    #[arg(long, hide_short_help = true, value_name = "DENSITY", value_parser = density)]
     pub density: Option<f64>,
-    /// Rotate about x: z-to-y turns a z-up hull into a y-up mesh
-    #[arg(long, value_enum, default_value_t = UpAxis::Keep, value_name = "keep|y-to-z|z-to-y")]
+    /// Rotate about x: y-to-z or z-to-y
+    ///
+    /// z-to-y turns a z-up hull into a y-up mesh
+    #[arg(long, hide_short_help = true, value_enum, default_value_t = UpAxis::Keep, value_name = "TURN")]
     pub up_axis: UpAxis,
     #[command(flatten)]
     pub usd: UsdArgs,
-    /// Replace files that bake did not write, or that were edited
+    /// Replace files that bake did not write, or edited ones
     #[arg(long)]
     pub force: bool,
     /// Print only errors

@@ -108,14 +108,14 @@ impl clap::FromArgMatches for OptionFlags {
 }
 
 fn arg(option: &'static BuildOption) -> Arg {
-    let help = match option.default {
-        "false" | "none" => option.help.to_owned(),
-        value => format!("{} [default: {value}]", option.help),
+    let with_default = |help: &str| match option.default {
+        "false" | "none" => help.to_owned(),
+        value => format!("{help} [default: {value}]"),
     };
     let arg = Arg::new(option.key)
         .long(flag(option.key)[2..].to_owned())
-        .help(option.help.split(". ").next().unwrap_or_default())
-        .long_help(help)
+        .help(with_default(option.help.split(". ").next().unwrap_or_default()))
+        .long_help(with_default(option.help))
         .help_heading((option.section != Section::Parts).then_some(option.section.heading()))
         .hide_short_help(option.section != Section::Parts || option.key == "solid")
         .value_name(option.value_name)

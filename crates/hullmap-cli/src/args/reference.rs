@@ -31,7 +31,8 @@ fn typed(arg: &Arg) -> String {
 fn meaning(arg: &Arg) -> String {
     // The keys of --set are listed below it.
     let help = arg.get_long_help().filter(|_| arg.get_id() != "set").or(arg.get_help());
-    let help = help.map(ToString::to_string).unwrap_or_default();
+    // A second paragraph is for this page.
+    let help = help.map(|help| help.to_string().replace("\n\n", ". ")).unwrap_or_default();
     assert!(!help.is_empty(), "no help: {}", typed(arg));
     let values: Vec<_> = arg.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
     match values.as_slice() {
@@ -86,6 +87,34 @@ fn block(own: &Command, build: &Command) -> String {
         text += &format!("\nAs for [bake build](#bake-build): {}.\n", names.join(", "));
     }
     text
+}
+
+/// The table stated that commands have flags which they lacked.
+#[test]
+fn commands_have_the_flags_of_the_conventions() {
+    let page = fs::read_to_string(PAGE).unwrap();
+    let (_, table) = page.split_once("## Conventions\n").unwrap();
+    let rows = table.lines().skip_while(|line| !line.starts_with('|')).take_while(|line| line.starts_with('|'));
+    // `-q`, `--quiet`: build, robot; and so on
+    let lists = rows.filter_map(|row| row.split('|').nth(2)?.split_once("`: "));
+    let command = super::command("bake");
+    let mut count = 0;
+    for (flags, listed) in lists {
+        for flag in flags.trim().trim_start_matches('`').split("`, `") {
+            let is_it = |arg: &Arg| match flag.strip_prefix("--") {
+                Some(long) => arg.get_long() == Some(long),
+                None => arg.get_short() == flag.chars().nth(1),
+            };
+            let visible = command.get_subcommands().filter(|own| !own.is_hide_set());
+            let mut having: Vec<_> =
+                visible.filter(|own| own.get_arguments().any(is_it)).map(Command::get_name).collect();
+            having.sort_unstable();
+            let listed = listed.split(';').next().unwrap_or_default().trim();
+            assert_eq!(having.join(", "), listed, "{flag}");
+            count += 1;
+        }
+    }
+    assert_eq!(count, 11);
 }
 
 #[test]

@@ -2,11 +2,11 @@ use clap::ValueEnum;
 
 #[derive(Debug, clap::Args)]
 pub struct UsdArgs {
-    /// Path of the USD prim that holds the mesh, for instance /World/chair
-    #[arg(long, value_name = "PATH")]
+    /// USD prim that holds the mesh, such as /World/chair
+    #[arg(long, hide_short_help = true, value_name = "PATH")]
     pub prim: Option<String>,
-    /// File name of the USD asset, as it is written in the layer, for instance ./chair.usd
-    #[arg(long, value_name = "ASSET")]
+    /// USD asset, as in the layer, such as ./chair.usd
+    #[arg(long, hide_short_help = true, value_name = "ASSET")]
     pub asset: Option<String>,
     /// Length of a unit of the USD stage in metres; default 1
     #[arg(long = "set meters_per_unit", value_name = "F", value_parser = positive)]

@@ -4,6 +4,7 @@ use clap::builder::PossibleValuesParser;
 
 use super::limits::LimitArgs;
 use super::numbers::at_least_one;
+use super::running::{RUNNING, ThreadArgs};
 use hullmap_pipeline::budget::NAMES;
 use hullmap_pipeline::content::DEFAULT_DIRECTIONS;
 
@@ -18,12 +19,6 @@ pub struct VerifyArgs {
     /// Exit with 1 if the source of a pack is not found
     #[arg(long)]
     pub require_source: bool,
-    /// List every hull in the table, not one line per pack
-    #[arg(short, long)]
-    pub verbose: bool,
-    /// Print only errors
-    #[arg(short, long, conflicts_with = "verbose")]
-    pub quiet: bool,
     /// Fail if a hull is not within the limits of an engine: physx, physx-gpu, jolt, box3d, unity,
     /// unreal, newton or mujoco-warp
     #[arg(long = "for", value_name = "ENGINE", value_parser = PossibleValuesParser::new(&NAMES[1..]))]
@@ -36,7 +31,15 @@ pub struct VerifyArgs {
     pub seed: u64,
     #[command(flatten)]
     pub limits: LimitArgs,
+    #[command(flatten)]
+    pub threads: ThreadArgs,
+    /// List every hull in the table, not one line per pack, and all notes
+    #[arg(short, long, help_heading = RUNNING)]
+    pub verbose: bool,
+    /// Print only errors
+    #[arg(short, long, conflicts_with = "verbose", help_heading = RUNNING)]
+    pub quiet: bool,
     /// Print one JSON object per hull
-    #[arg(long)]
+    #[arg(long, help_heading = RUNNING)]
     pub json: bool,
 }

@@ -1,5 +1,6 @@
 //! `bake decompose`: a mesh file becomes a file of convex parts, without a pack.
 
+use std::iter;
 use std::path::Path;
 use std::time::Instant;
 
@@ -14,6 +15,7 @@ use serde::Serialize;
 use crate::args::DecomposeArgs;
 use crate::interrupt;
 use crate::progress::Progress;
+use crate::rows::Notes;
 use crate::table::{Align, Table};
 use crate::terminal::{self, Output};
 use hullmap_bake::parts::estimates::DecomposedObject;
@@ -25,9 +27,8 @@ use hullmap_pipeline::mesh_file::{glb, obj};
 use hullmap_pipeline::options::BuildOptions;
 use hullmap_pipeline::outcome::{Exit, Failure, end};
 use hullmap_pipeline::pack_file::folder_of;
-use hullmap_pipeline::runner::Observer;
 use hullmap_pipeline::runner::rows::Status;
-use hullmap_pipeline::runner::schedule;
+use hullmap_pipeline::runner::{self, Observer, schedule};
 
 /// Share of the time after which the meshes are read.
 const READ: f64 = 0.05;
@@ -71,7 +72,7 @@ struct MeshReport {
 pub fn run(args: &DecomposeArgs, out: &mut Output) -> Result<Exit, Failure> {
     let start = Instant::now();
     interrupt::catch();
-    let Some(output) = &args.output else { return curves(args, out) };
+    let Some(output) = args.file() else { return curves(args, out) };
     let write = writer(output)?;
     check_output(args, output)?;
     let (imported, pack) = with_progress(args, |stage| decompose(args, stage))?;
@@ -80,7 +81,7 @@ pub fn run(args: &DecomposeArgs, out: &mut Output) -> Result<Exit, Failure> {
     let bodies: Vec<Body> = opened.hulls().map(|hull| Body::new(&hull, UpAxis::Keep)).collect();
     let bytes = write(&bodies).map_err(fault)?;
     let length = bytes.len();
-    place::update(&[OutputFile { path: output.clone(), bytes }], folder_of(output), args.force)?;
+    place::update(&[OutputFile { path: output.to_owned(), bytes }], folder_of(output), args.force)?;
     let meshes = describe(&imported.point_sets, &opened, &bodies, &pack.objects);
     let report = Report {
         source: args.input.display().to_string(),
@@ -94,7 +95,8 @@ pub fn run(args: &DecomposeArgs, out: &mut Output) -> Result<Exit, Failure> {
         warnings: pack.warnings,
         meshes,
     };
-    let written = if args.json { out.json(&report).map_err(Failure::from) } else { write_text(&report, out) };
+    let written =
+        if args.json { out.json(&report).map_err(Failure::from) } else { write_text(&report, args.verbose, out) };
     end(Exit::Done, written)
 }
 
@@ -127,8 +129,7 @@ fn with_progress<T: Send>(
     args: &DecomposeArgs,
     work: impl Fn(Stage) -> Result<T, Failure> + Sync,
 ) -> Result<T, Failure> {
-    let pool = rayon::ThreadPoolBuilder::new().build();
-    let pool = pool.map_err(|error| Failure::usage(format!("cannot start threads: {error}")))?;
+    let pool = runner::threads(args.threads.jobs)?;
     let progress = Progress::new(1, COST);
     let work = |index: usize| {
         let done = progress.begin(index, &args.input, COST);
@@ -260,9 +261,10 @@ fn describe(meshes: &[PointSet], pack: &Pack, bodies: &[Body], objects: &[Decomp
     described
 }
 
-fn write_text(report: &Report, out: &mut Output) -> Result<(), Failure> {
-    report.notes.iter().for_each(terminal::note);
-    report.warnings.iter().for_each(terminal::warning);
+fn write_text(report: &Report, is_verbose: bool, out: &mut Output) -> Result<(), Failure> {
+    let Report { source, notes, warnings, .. } = report;
+    Notes::new(iter::once((&**source, &**notes)), is_verbose).print(source, notes);
+    warnings.iter().for_each(|warning| terminal::warning(format_args!("{source}: {warning}")));
     for mesh in &report.meshes {
         let noun = if mesh.parts == 1 { "part" } else { "parts" };
         let bound = |length: Option<f64>| match length {

@@ -302,7 +302,7 @@ pub mod tests {
             [("max_vertices", PART_VERTICES.to_string()), ("max_error", format!("{}%", 100.0 * share))]
         {
             let help = OPTIONS[position(key).unwrap()].help;
-            assert!(help.contains(&format!("part (default {default})")), "{key}: {help}");
+            assert!(help.contains(&format!("parts: {default})")), "{key}: {help}");
         }
     }
 

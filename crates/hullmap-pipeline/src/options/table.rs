@@ -20,7 +20,7 @@ pub struct BuildOption {
     /// `max_vertices` stands for the value in [`Cover::default`](hullmap_bake::decompose::Cover).
     pub default: &'static str,
     pub value_name: &'static str,
-    /// `-h` has its first sentence.
+    /// The help of the command has its first sentence, docs/COMMAND.md all of it.
     pub help: &'static str,
     pub section: Section,
     /// Whether the command line has it as `--set key=value`, not as a flag of its own.
@@ -118,8 +118,8 @@ const MIN_VERTICES: u32 = 4;
 /// Every option, in the order of a pack's record. **This order and the defaults never change**:
 /// records would change, and with them the hashes by which packs are found fresh.
 pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
-    option("split", Words(&["none", "object", "auto"]), "none", "UNIT", Section::Mesh)
-        .help("One hull per file (none), object, or collision part (auto)")
+    option("split", Words(&["none", "object", "auto"]), "none", "none|object|auto", Section::Mesh)
+        .help("One hull per file, object, or collision part. That is none, object and auto")
         .recorded(Record::Always),
     option("vertices", Words(&["referenced", "all"]), "referenced", "referenced|all", Section::Mesh)
         .help("Use the vertices that elements reference, or all vertices")
@@ -136,22 +136,22 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     .advanced()
     .recorded(Record::Always),
     option("unit_scale", Positive, "1", "F", Section::Mesh)
-        .help("Multiply coordinates by F; 0.01 turns centimetres into metres")
+        .help("Multiply coordinates by F. 0.01 turns centimetres into metres")
         .within(Scope::Meshes),
     option("up_axis", Words(&["keep", "y-to-z", "z-to-y"]), "keep", "TURN", Section::Mesh)
-        .help("Rotate: keep, y-to-z (y-up becomes z-up) or z-to-y")
+        .help("Rotate: y-to-z or z-to-y. y-to-z turns a y-up mesh into a z-up one")
         .within(Scope::Meshes),
     option("recentre", Switch, "false", "BOOL", Section::Mesh)
         .help("Move the origin to the centre of the bounds, for meshes far from the origin")
         .advanced(),
     option("decompose", Switch, "false", "BOOL", Section::Parts).help("Decompose concave meshes into convex parts"),
     option("max_vertices", CountOrNone { min: MIN_VERTICES }, "none", "N", Section::Parts)
-        .help("Maximum number of vertices of a hull (default all) or part (default 64)")
+        .help("Maximum number of vertices (hulls: all; parts: 64)")
         .grouped(Group::Limit),
     option("max_error", LengthOrNone, "none", "E|E%", Section::Parts)
         .help(
-            "Maximum protrusion of a hull (default exact) or part (default 2%). A length (2mm is 0.002 units of \
-                 the mesh), or a share of the diagonal such as 1%",
+            "Maximum protrusion (hulls: exact; parts: 2%). A length (2mm is 0.002 units of the mesh), or a share \
+                 of the diagonal such as 1%",
         )
         .grouped(Group::Limit),
     option("pack_names", Words(&["auto", "stem", "full"]), "auto", "auto|stem|full", Section::Files)
@@ -160,12 +160,12 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         .recorded(Record::Never)
         .within(Scope::All),
     option("max_parts", CountOrNone { min: 1 }, "none", "N", Section::Parts)
-        .help("Maximum number of parts; the search then looks for the smallest error")
+        .help("Maximum number of parts. The search then looks for the smallest error")
         .within(Scope::Parts),
     option("solid", Words(&["auto", "closed", "walls"]), "auto", "RULE", Section::Parts)
         .help(
-            "Solid of an open mesh: closed (its inside), walls (openings stay open), or auto, which decides by \
-                 the sizes of walls and holes",
+            "Solid of an open mesh: closed, walls or auto. The solid is its inside (closed), its triangles (walls), or as \
+                 the sizes of walls and holes say (auto)",
         )
         .within(Scope::Parts),
     option("wall", LengthOrNone, "0.5%", "T|T%", Section::Parts)
@@ -208,11 +208,11 @@ pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
         .advanced()
         .within(Scope::Parts),
     option("keep_triangles", Switch, "false", "BOOL", Section::Mesh)
-        .help("Keep all triangles, as a static mesh (.hullmesh) instead of hulls")
+        .help("Keep all triangles, as a static mesh. The file is a .hullmesh, without hulls")
         .grouped(Group::Content)
         .within(Scope::Meshes),
     option("terrain", Switch, "false", "BOOL", Section::Mesh)
-        .help("Bake grids of heights (.asc, .png, .f32) as height fields")
+        .help("Bake .asc, .png and .f32 as height fields. Such files are grids of heights")
         .grouped(Group::Content)
         .within(Scope::All),
     terrain_option("spacing", SpacingOrNone, "none", "X[,Y]")

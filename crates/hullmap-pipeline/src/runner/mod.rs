@@ -46,6 +46,12 @@ pub trait Observer: Sync {
     fn tick(&self);
 }
 
+/// Starts threads; `None`: one per core.
+pub fn threads(count: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(count.map_or(0, usize::from)).build();
+    pool.map_err(|error| Failure::usage(format!("cannot start threads: {error}")))
+}
+
 /// Runs jobs in parallel; the results have the order of the jobs. `observe` makes an observer of
 /// this many files, and the sum of their costs.
 pub fn run<O: Observer>(
@@ -54,11 +60,7 @@ pub fn run<O: Observer>(
     resources: Resources,
     observe: impl FnOnce(usize, u64) -> O,
 ) -> Result<Vec<(Row, Exit)>, Failure> {
-    let mut pool = rayon::ThreadPoolBuilder::new();
-    if let Some(count) = resources.threads {
-        pool = pool.num_threads(usize::from(count));
-    }
-    let pool = pool.build().map_err(|error| Failure::usage(format!("cannot start threads: {error}")))?;
+    let pool = threads(resources.threads)?;
     let costs: Vec<u64> = jobs.iter().map(|job| memory::estimate(job)).collect();
     let observer = observe(jobs.len(), costs.iter().sum());
     let work = |index: usize| {

@@ -34,7 +34,7 @@ class BakeOptions(TypedDict, total=False):
     solid: Optional[Literal["auto", "closed", "walls"]]
     """"closed" closes the holes of an open mesh and counts its inside; "walls" counts its walls only, so that
     openings stay open. "auto", the default: open surfaces are walls if half of their area has faces on both sides, a
-    hole has more than an eighth of it, or all holes together more than all of it; closed surfaces are solid."""
+    hole has more than an eighth of it, or all holes together more than all of it; watertight ones are solid."""
     wall: Optional[Union[float, str]]
     """Thickness of the parts of walls; ``"0.5%"`` of the diagonal by default. It is at most half of
     ``max_error``."""

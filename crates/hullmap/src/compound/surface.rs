@@ -31,7 +31,7 @@ pub enum SurfaceError {
     Open(#[from] OpenSurface),
 }
 
-/// Signed distance of `point` from the surface of a closed mesh: negative inside.
+/// Signed distance of `point` from the surface of a watertight mesh: negative inside.
 ///
 /// A point is inside if the surface winds around it at least once, with its fronts outwards. So
 /// several closed objects may overlap: their union is inside. Where they do, the nearest triangle

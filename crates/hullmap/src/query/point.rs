@@ -69,7 +69,7 @@ pub fn ray<G: Geometry + ?Sized>(a: &G, ray: &Ray, settings: &CastSettings) -> R
 /// ball of radius `-distance` around the point is inside the union. Where parts overlap or touch,
 /// the surface of the union may be farther away, and `point` of the answer may be inside another
 /// part. Triangles have no inside: [`surface_distance`](crate::compound::surface_distance) is the
-/// signed distance from the surface of a closed mesh. The interval contains this minimum. A
+/// signed distance from the surface of a watertight mesh. The interval contains this minimum. A
 /// positive lower bound proves that the point is outside of the union, a negative upper bound that
 /// it is inside.
 ///

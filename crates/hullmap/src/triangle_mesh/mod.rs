@@ -80,12 +80,12 @@ pub struct TriangleMesh {
     open_edge: Option<OpenSurface>,
 }
 
-/// A mesh is not closed: one of its edges does not have exactly two triangles with the front on the
-/// same side.
+/// A mesh is not watertight: one of its edges does not have exactly two triangles with the front on
+/// the same side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "the surface is not closed: an edge of triangle {triangle} ({source_triangle} in the source) is {}; close the mesh, or \
-     ask for the distance from its triangles",
+    "the surface is not watertight: an edge of triangle {triangle} ({source_triangle} in the source) is {}; close the \
+     mesh, or ask for the distance from its triangles",
     phrase(*edge)
 )]
 pub struct OpenSurface {
@@ -126,8 +126,8 @@ impl TriangleMesh {
         self.sections().triangle_count()
     }
 
-    /// Checks that the surface is closed: every edge has exactly two triangles, with the front on
-    /// the same side. The classes of the edges state it.
+    /// Checks that the surface is watertight: every edge has exactly two triangles, with the front
+    /// on the same side. The classes of the edges state it.
     ///
     /// # Errors
     /// An edge that is open, non-manifold or reversed.

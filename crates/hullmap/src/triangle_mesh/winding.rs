@@ -105,7 +105,7 @@ impl AxisRay {
 }
 
 impl TriangleMesh {
-    /// Where a point is. The number means something for closed meshes only.
+    /// Where a point is. The number means something for watertight meshes only.
     ///
     /// # Complexity
     /// One descent of the tree, along an axis.

@@ -1,5 +1,5 @@
-//! Meshes that are not closed have no inside. `hullmap_tests::sheets` judges signed distances of
-//! closed ones.
+//! Meshes that are not watertight have no inside. `hullmap_tests::sheets` judges signed distances
+//! of those that are.
 
 use glam::DVec3;
 use hullmap::compound::{SurfaceError, surface_distance};
@@ -22,5 +22,5 @@ fn open_meshes_have_no_inside() {
     let error = mesh(&positions, &corners).check_closed().unwrap_err();
     assert_eq!(error.edge, EdgeClass::Reversed);
     let error = surface_distance(&sheet, DVec3::NAN, &settings, &mut cache).unwrap_err();
-    assert!(error.to_string().contains("not closed"));
+    assert!(error.to_string().contains("not watertight"));
 }

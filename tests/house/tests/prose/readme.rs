@@ -123,6 +123,24 @@ fn the_readme_is_short() {
     assert!(count <= 120, "{count} lines; move details to docs");
 }
 
+/// A reader looks a word up; a longer list is not read.
+#[test]
+fn the_glossary_is_short() {
+    let count = read("docs/GLOSSARY.md").lines().count();
+    assert!(count <= 80, "{count} lines; common words need no row");
+}
+
+/// "Closed" stood for three things: filled holes, a property of a mesh, and a set with its border.
+#[test]
+fn meshes_without_holes_are_watertight_in_documents() {
+    for file in tracked().into_iter().filter(|file| file.ends_with(".md") && !file.contains("contributors/intervals")) {
+        let text = read(&file).split_whitespace().collect::<Vec<_>>().join(" ").to_lowercase();
+        for words in ["closed mesh", "closed shell", "not closed", "mesh is closed", "triangles are closed"] {
+            assert!(!text.contains(words), "{file}: {words}: a mesh without a hole is watertight");
+        }
+    }
+}
+
 /// The first line of each file states what it does, so the table only lists where to start.
 #[test]
 fn the_table_of_files_is_short() {

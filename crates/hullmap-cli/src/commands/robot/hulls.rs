@@ -26,7 +26,7 @@ pub struct Hulls {
     /// Bound on how far the surface lies outside of the parts, in units of the mesh.
     pub uncovered: Option<f64>,
     pub fault: Option<Fault>,
-    /// Mass properties of the mesh, at density 1; `None` if it is not closed.
+    /// Mass properties of the mesh, at density 1; `None` if it is not watertight.
     pub mass: Option<MassProperties>,
 }
 

@@ -119,7 +119,7 @@ pub fn run(args: &RobotArgs, out: &mut Output) -> Result<Exit, Failure> {
         rows.push(row);
     }
     let changed = rows.iter().filter(|row| row.status != Status::Fresh).map(|row| (&*row.file, &*row.notes));
-    let mut notes = Notes::new(changed, &args.run);
+    let mut notes = Notes::new(changed, args.run.verbose);
     rows.iter().for_each(|row| row.print_messages(&mut notes));
     let written = match args.run.json {
         true => rows.iter().try_for_each(|row| out.json(row)).map_err(Failure::from),
@@ -232,6 +232,12 @@ fn bake(args: &RobotArgs, robots: &[Prepared], project: &Path) -> Result<Vec<(bu
     run_jobs(&jobs, &build, &args.run)
 }
 
+/// The mesh and the reason, if its hulls are stale or missing.
+fn why_stale(own: &build_rows::Row) -> Option<String> {
+    let is_stale = matches!(own.status, build_rows::Status::Stale | build_rows::Status::Missing);
+    is_stale.then(|| format!("{}: {}", shown(Path::new(&own.source)), own.reason.as_deref().unwrap_or("stale")))
+}
+
 fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row: &mut Row) -> Result<Exit, Failure> {
     row.format = Some(robot.description.format.name());
     row.links = Some(robot.description.links.len());
@@ -258,11 +264,7 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
         let exit = baked.iter().map(|(_, exit)| *exit).max().unwrap_or(Exit::Rejected);
         return Err(Failure { exit, message: format!("{last}; a rule or --exclude leaves its link alone") });
     }
-    let stale = baked.iter().filter_map(|(own, _)| {
-        let is_stale = matches!(own.status, build_rows::Status::Stale | build_rows::Status::Missing);
-        is_stale.then(|| format!("{}: {}", shown(Path::new(&own.source)), own.reason.as_deref().unwrap_or("stale")))
-    });
-    let stale: Vec<String> = stale.collect();
+    let stale: Vec<String> = baked.iter().filter_map(|(own, _)| why_stale(own)).collect();
     if !stale.is_empty() {
         row.status = if target.file.exists() { Status::Stale } else { Status::Missing };
         row.reason = Some(stale.join("; "));
@@ -484,8 +486,8 @@ fn changes(
     Ok(changes)
 }
 
-/// Inertias of the links whose collisions are all closed meshes. A warning names each other link
-/// that states a mass.
+/// Inertias of the links whose collisions are all watertight meshes. A warning names each other
+/// link that states a mass.
 fn inertias(description: &Description, choices: &Choices, hulls: &[Hulls], row: &mut Row) -> Vec<Change> {
     let mut changes = Vec::new();
     for (index, link) in description.links.iter().enumerate() {
@@ -504,7 +506,7 @@ fn inertias(description: &Description, choices: &Choices, hulls: &[Hulls], row: 
                 inertia: tensor.transpose().to_cols_array_2d(),
             }),
             None => row.warnings.push(format!(
-                "{}:{}: link `{}` keeps its inertia, because its collisions are not all closed meshes that were baked",
+                "{}:{}: link `{}` keeps its inertia, because not all of its collisions are watertight meshes that were baked",
                 row.file, link.line, link.name
             )),
         }

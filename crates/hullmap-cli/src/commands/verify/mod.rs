@@ -24,7 +24,7 @@ use hullmap_verify::pack::{BOUNDS_UNCHECKED, HullVerification, UNMEASURED, WITH_
 const MAX_WARNINGS: usize = 8;
 
 pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
-    if let Some(budget) = args.engine.as_deref().and_then(budget) {
+    if let Some(budget) = args.engine.as_deref().and_then(budget).filter(|_| args.verbose || args.json) {
         terminal::note(format_args!("the limits of {} are from {}", budget.name, budget.source));
     }
     let mut exit = Exit::Done;
