@@ -87,7 +87,7 @@ def in_newton(path):
         return None
     builder = newton.ModelBuilder()
     if path.suffix == ".urdf":
-        # Of a link without a mass, Newton computes it from the collisions.
+        # If a link has no mass, Newton computes it from the collisions.
         builder.default_shape_cfg.density = 0.0
     (builder.add_mjcf if path.suffix == ".xml" else builder.add_urdf)(str(path))
     bodies = [builder.body_mass, builder.body_inertia, builder.body_com]

@@ -396,7 +396,7 @@ private:
     std::vector<uint32_t> triangles_;
     // Held while progress_ is replaced, or used by another thread.
     mutable std::mutex guard_;
-    // Of the parts within the error, and of at most a number of parts, if the error takes more.
+    // First for the parts within the error, then for a number of parts, if the error takes more.
     HullmapDecomposeProgress* progress_[2] = {nullptr, nullptr};
     // Written by the computation before it is done.
     std::string fault_;

@@ -3,7 +3,7 @@
     python robot.py LINK_A.obj LINK_B.obj [--count 1000000] [--peer-count 50000] [--rounds 5] [--judge 3]
 
 All engines get the vertices of the same two hulls and the same poses, about half of which overlap.
-Those that pip has not installed are left out. hullmap takes all poses in one call. The others are
+Engines that pip has not installed are left out. hullmap takes all poses in one call. The others are
 called once a pose from a Python loop, as their users have to; the row `call` is the same loop on two
 spheres of the engine, most of which is the cost of the call. Runs are interleaved, and the median
 counts. On one thread, time is processor time, which other programs disturb less. Answers are

@@ -61,7 +61,7 @@ def test_a_hull_meets_itself(device, large):
     found, own = large.distance(large, poses, device=device), large.distance(large, poses)
     assert (found.lower <= own.upper).all() and (own.lower <= found.upper).all()
     assert ((found.status == Status.OVERLAPPING) == (own.status == Status.OVERLAPPING)).all()
-    # What the GPU leaves open has the processor's own answer: here everything.
+    # Pairs that the GPU leaves open, here all of them, have the processor's own answer.
     limited = large.distance(large, poses, device=device, max_iterations=1)
     assert (limited.lower <= own.upper).all() and (own.lower <= limited.upper).all()
 

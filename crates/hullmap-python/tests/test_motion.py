@@ -69,7 +69,7 @@ def test_derivatives_agree_with_central_differences() -> None:
             above, below = (getattr(query(b, turned(poses, sign * twist), tolerance=0), field) for sign in (1, -1))
             wrong |= np.abs((above - below) / (2 * step) - found.by_b[:, axis]) > 1e-4
         assert wrong[unique].sum() <= 0.02 * unique.sum()
-        # What moves both moves neither.
+        # A twist that moves both changes nothing.
         np.testing.assert_allclose(found.by_a[:, :3], -found.by_b[:, :3], atol=1e-12)
     apart = hullmap.derivatives(a, b, hullmap.poses([9, 0, 0]), of="depth")
     assert hullmap.Differentiability.words(apart.differentiability) == ["missing"] and not apart.by_b.any()

@@ -146,7 +146,7 @@ def test_types_are_strict(tmp_path):
 
 
 def accepted(options: dict[str, object]) -> str:
-    """What the command's table accepts in place of a wrong option."""
+    """Values that the command's table accepts in place of a wrong option."""
     with pytest.raises(hullmap.BakeError) as caught:
         hullmap.bake([[0, 0, 0]], **options)
     return str(caught.value)

@@ -185,7 +185,7 @@ def test_a_manifold_carries_a_cube(cube):
     floor = hullmap.Box([5, 5, 1])
     found = floor.manifold(cube, hullmap.poses([[0, 0, 1.99], [0, 0, 2.02], [0, 0, 3]]))
     assert found.count.tolist() == [4, 4, 0]
-    # Of the contact, of the distance, and of a proof that the two are apart.
+    # The status of the contact, of the distance, and of a proof that the two are apart.
     assert hullmap.Status.words(found.status) == ["exact", "exact", "separated"]
     assert np.allclose(found.depth[0], 0.01) and np.allclose(found.depth[1], -0.02) and np.isnan(found.depth[2]).all()
     assert np.allclose(found.normal[0], [0, 0, 1])

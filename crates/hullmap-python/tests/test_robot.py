@@ -80,7 +80,7 @@ def test_a_formula(balls: hullmap.Robot) -> None:
     np.testing.assert_array_equal(balls.in_collision(q), truth < 0)
     np.testing.assert_array_equal(balls.in_collision(q, margin=0.25), truth <= 0.25)
     assert balls.in_collision([0, 3.0]).ndim == 0 and bool(balls.in_collision([0, 3.0]))
-    # Of one thread or many, the same bits.
+    # One thread and many give the same bits.
     again = balls.clearance(q, threads=1)
     np.testing.assert_array_equal(again.lower, found.lower)
 

@@ -79,7 +79,7 @@
     body.radius = Math.max(Math.hypot(...[0, 1, 2].map((axis) => body.bounds[axis + 3] - body.bounds[axis])) / 2, 1e-30);
   }
 
-  /** What is drawn of hulls. */
+  /** Points, triangles and edges of hulls, to be drawn. */
   function joined(hulls) {
     const [points, triangles, edges] = [[], [], []];
     for (const hull of hulls) {

@@ -88,7 +88,7 @@ static void good_calls(void) {
     check(facts.voids >= 0 && facts.voids == 0, "voids");
     check(fabs(facts.volume - 7) < 1e-6, "the volume of the mesh");
     check(fabs(facts.center[0] - 1001.5) < 1e-6 && fabs(facts.center[1] - 9.5 / 7) < 1e-6, "its centre");
-    /* Of the base and the two arms, with the parallel axis theorem. */
+    /* The base and the two arms, by the parallel axis theorem. */
     check(fabs(facts.inertia[8] - (2.5 + 3 * 36.0 / 49 + 2 * (5.0 / 6 + 2 * (1 + 81.0 / 196)))) < 1e-5, "its inertia");
     check(fabs(facts.inertia[1]) < 1e-6 && facts.inertia[1] == facts.inertia[3], "its products of inertia");
     for (i = 0; i < 16; ++i) {

@@ -183,7 +183,7 @@ fn voxels_are_boxes() {
 
 /// The points of shapes that moved by less than a millimetre stay where they are on both shapes.
 #[test]
-fn shapes_that_hardly_move_keep_their_points() {
+fn shapes_that_barely_move_keep_their_points() {
     let (slab, cube) = (Cuboid::new(Vector::new(5.0, 1.0, 5.0)), hull(&families::cube_grid(8, 1)));
     let half = cube.compute_local_aabb().half_extents().y;
     let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();

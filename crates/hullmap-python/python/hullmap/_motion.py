@@ -144,9 +144,9 @@ class WitnessDerivatives(_Answer):
     normal_by_a: Floats
     normal_by_b: Floats
     point_a_by_a: Floats
-    """Of the point of A, by a twist of A."""
+    """Derivative of the point of A by a twist of A."""
     point_a_by_b: Floats
-    """Of the point of A, by a twist of B."""
+    """Derivative of the point of A by a twist of B."""
     point_b_by_a: Floats
     point_b_by_b: Floats
     status: Codes

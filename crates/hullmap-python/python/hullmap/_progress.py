@@ -21,7 +21,7 @@ BAR_WIDTH = 30
 
 @contextmanager
 def shown(progress: Progress, name: str) -> Iterator[Optional[Report]]:
-    """What a bake is to call with the share of it that is done."""
+    """Progress callback of a bake: receives the fraction done."""
     if progress is None or progress is False:
         yield None
     elif progress is True:

@@ -69,7 +69,7 @@ class RobotClearance(_Answer):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RobotEdges(_Answer):
-    """What is known about edges in joint space. Times are shares of the edge."""
+    """Verdicts on edges in joint space. Times are shares of the edge."""
 
     verdict: Codes
     """Codes of `Verdict`."""
@@ -77,7 +77,7 @@ class RobotEdges(_Answer):
     """Codes of `Status`. ``WITHIN``: a hit whose interval is as narrow as the resolution, or a free edge with the
     requested clearance. Otherwise the limit of queries or rounding error stopped the search."""
     clearance: Floats
-    """Of a free edge: the clearance is at least this in each of its configurations. Otherwise 0."""
+    """Lower bound of the clearance in all configurations of a free edge. Otherwise 0."""
     nearest: Floats
     """Upper bound of the least clearance: a pair is at most this far apart in some configuration."""
     t_lower: Floats

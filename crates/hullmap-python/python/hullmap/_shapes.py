@@ -267,7 +267,7 @@ class Shape:
     ) -> SignedDistance:
         """Distances of points from the surface: positive outside, negative inside.
 
-        Of a pack, it is the minimum over its hulls: outside, the distance from the union; inside, the
+        For a pack, it is the minimum over its hulls: outside, the distance from the union; inside, the
         depth in the hull in which the point is deepest. A ball of that radius around the point is
         inside the union, whose surface may be farther away where hulls overlap or touch.
 
@@ -787,7 +787,7 @@ class Pack(_Bounded, Sequence[Hull]):
 
     @property
     def notes(self) -> List[str]:
-        """What the bake found worth mentioning; empty for a pack that was opened."""
+        """Remarks of the bake that require no action; empty for a pack that was opened."""
         return self._pack.notes
 
     @property

@@ -19,7 +19,7 @@ _Own = TypeVar("_Own", bound="_Sheet")
 
 
 class _Sheet(Shape):
-    """What triangle meshes and height fields share."""
+    """Common base of triangle meshes and height fields."""
 
     __slots__ = ("_facts", "_file")
 

@@ -7,7 +7,7 @@
 //! - The last simplex near the origin. GJK continues from it. After a shallow contact, it is the
 //!   face that decided, which one support query may prove again.
 //! - The last polytope. EPA continues from it.
-//! - Of geometries with parts: the same for the most recent pairs of parts, and the pair that
+//! - For geometries with parts, the same for the most recent pairs of parts, and the pair that
 //!   decided the last query.
 //!
 //! # Reference

@@ -1,7 +1,9 @@
-//! Comments and documents: their width, that they agree with the code, and that examples run.
+//! Comments and documents: their width and length, that they agree with the code, and that examples
+//! run.
 
 mod comments;
 mod documents;
 mod guides;
 mod names;
 mod readme;
+mod words;

@@ -22,15 +22,15 @@ use super::pair::{HullPair, Placement, on_pair, pair, plane};
 
 /// Cosine of the angle (1°) up to which shapes have barely turned, as in parry.
 /// docs/contributors/decisions/0020-engines.md has the measurements.
-const HARDLY_TURNED: Real = 0.999_847_7;
+const BARELY_TURNED: Real = 0.999_847_7;
 
 /// Square of the distance (1 mm) up to which a point has barely moved, as in parry.
-const HARDLY_MOVED_SQ: Real = 1e-6;
+const BARELY_MOVED_SQ: Real = 1e-6;
 
 /// Whether the shapes have barely moved, so that the points of `manifold` stay, with updated
 /// distances.
-pub(super) fn hardly_moved<M, C: Default + Copy>(pos12: &Pose, manifold: &mut ContactManifold<M, C>) -> bool {
-    manifold.try_update_contacts_eps(pos12, HARDLY_TURNED, HARDLY_MOVED_SQ)
+pub(super) fn barely_moved<M, C: Default + Copy>(pos12: &Pose, manifold: &mut ContactManifold<M, C>) -> bool {
+    manifold.try_update_contacts_eps(pos12, BARELY_TURNED, BARELY_MOVED_SQ)
 }
 
 pub(super) type PartOf<'u> = (&'u dyn Union, usize, hullmap::Pose);
@@ -80,13 +80,13 @@ pub(super) fn solve<M, C: Default + Copy>(
     manifold: &mut ContactManifold<M, C>,
 ) -> bool {
     if let Some(found) = plane(pos12, shape1, shape2) {
-        if !hardly_moved(pos12, manifold) {
+        if !barely_moved(pos12, manifold) {
             update_plane(&found, prediction, &mut Manifold::new(), manifold);
         }
         return true;
     }
     let Some(found) = pair(pos12, shape1, shape2) else { return false };
-    if !hardly_moved(pos12, manifold) {
+    if !barely_moved(pos12, manifold) {
         let cache = &mut Cache::from_axis(found.1.axis(wide(manifold.local_n1)));
         update(&found, prediction, (&mut Manifold::new(), cache), parts, manifold);
     }

@@ -6,7 +6,7 @@ use super::super::parry::query::details as default;
 use super::super::parry::query::details::{ContactManifoldsWorkspace, NormalConstraints};
 use super::super::parry::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, Unsupported};
 use super::super::parry::shape::{Shape, ShapeType};
-use super::manifold::{hardly_moved, solve, update, update_plane};
+use super::manifold::{barely_moved, solve, update, update_plane};
 use super::memory::{Memory, in_workspace};
 use super::pair::{pair, plane};
 use super::part_dispatcher::PartDispatcher;
@@ -104,7 +104,7 @@ where
 {
     manifolds.resize_with(1, ContactManifold::new);
     let Some(manifold) = manifolds.first_mut() else { return Err(Unsupported) };
-    if !hardly_moved(pos12, manifold)
+    if !barely_moved(pos12, manifold)
         && let Some(memory) = in_workspace::<Memory>(workspace)
     {
         update(memory, manifold);

@@ -26,7 +26,7 @@ use super::super::parry::query::details::{TypedWorkspaceData, VoxelsShapeContact
 use super::super::parry::query::{ContactManifold, TrackedContact};
 use super::super::surface::{Sheet, SurfaceTile, TileUnion, on_sheet};
 use super::compound_union::CompoundUnion;
-use super::manifold::{hardly_moved, packed, settings};
+use super::manifold::{barely_moved, packed, settings};
 use super::pair::Placement;
 use super::patches::{PatchPoint, SAME_NORMAL, Supported, deepest, places, thinned};
 use super::surface_pair::{Part, SurfacePair};
@@ -38,7 +38,7 @@ const FEW: usize = 8;
 const MOST: usize = 512;
 
 /// Part of the prediction by which a body may move before more triangles may be in reach.
-const HARDLY_MOVED: f64 = 0.25;
+const BARELY_MOVED: f64 = 0.25;
 
 /// Cosine of the angle (1e-3) up to which triangles are one face, as in hullmap's correction of
 /// normals: their points are in one manifold.
@@ -139,11 +139,11 @@ impl SurfaceMemory {
         let half_turn = (last.rotation().conjugate() * now.rotation()).xyz().length();
         let moved = now.translation().distance(last.translation()) + 2.0 * half_turn * farthest;
         // NaN takes the failing branch.
-        if !(moved <= HARDLY_MOVED * double(prediction)) {
+        if !(moved <= BARELY_MOVED * double(prediction)) {
             return false;
         }
         let mut touching = manifolds.iter_mut().filter(|manifold| !manifold.points.is_empty()).peekable();
-        touching.peek().is_some() && touching.all(|manifold| hardly_moved(pos12, manifold))
+        touching.peek().is_some() && touching.all(|manifold| barely_moved(pos12, manifold))
     }
 
     fn update_entries(&mut self, pair: &SurfacePair<'_>, prediction: Real) {

@@ -54,7 +54,7 @@ _WITHOUT_EFFECT = {
     "parts are not extruded, so extrude_margin has no effect either": ["extrude"],
 }
 
-# Those of them about which this process was warned.
+# Arguments of which this process has warned.
 _WARNED: Set[str] = set()
 
 

@@ -1,4 +1,4 @@
-"""What a bake of a stage did."""
+"""Report of the bake of a stage."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class SkippedPrim:
 
 @dataclass(frozen=True)
 class Report:
-    """What `hullmap.usd.bake` did."""
+    """Report of `hullmap.usd.bake`."""
 
     text: str
     """The layer, as the text of a ``.usda`` file."""

@@ -16,7 +16,7 @@ from ._stage import pxr
 _NAMESPACES = ("physxCollision", "newton", "mjc")
 _SCHEMAS = ("PhysxCollisionAPI", "NewtonCollisionAPI", "MjcCollisionAPI", "PhysicsFilteredPairsAPI")
 _RELATIONSHIPS = ("physics:filteredPairs", "physics:simulationOwner")
-# What the layer states itself.
+# Limits that the layer states itself.
 LIMITS = ("newton:maxHullVertices", "mjc:maxhullvert", "physxConvexHullCollision:hullVertexLimit")
 # Relationships that name colliders.
 _NAMING = ("physics:filteredPairs", "collection:colliders:includes", "collection:colliders:excludes")
