@@ -85,7 +85,7 @@ pub struct Manifold {
     points: ArrayVec<ManifoldPoint, MAX_POINTS>,
     normal: DVec3,
     status: Status,
-    /// Of A and B.
+    /// The faces that the features of A and of B were made of.
     kept_faces: [KeptFace; 2],
 }
 

@@ -108,8 +108,8 @@ pub(super) fn widen<A: Shape + ?Sized, B: Shape + ?Sized>(
     }
 }
 
-/// A vertex of a shape near the place `at`, on the side of `sign` times the normal of `frame`. It is
-/// a corner of its feature, or the support point along the normal of a ball around the shape there.
+/// A vertex of a shape near the place `at`, on the side of `sign` times the normal of `frame`: a
+/// corner of its feature, or the support point along the normal of a ball around the shape there.
 fn near<S: Shape + ?Sized>((shape, pose): (&S, Pose), feature: &Feature, frame: &Frame, at: DVec2, sign: f64) -> u32 {
     let (corner, distance) = nearest(feature, frame, at);
     if distance <= NEAR * shape.outer_radius() {
