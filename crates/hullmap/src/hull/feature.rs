@@ -164,7 +164,6 @@ impl Hull<'_> {
     /// The one neighbour of a vertex, other than `known`, that falls by at most [`TILT`] along the
     /// unit vector `n`, or is at most `reach` below `top`; and the least tangent by which the edges
     /// to the others fall. `None` if there are more than one.
-    #[expect(clippy::type_complexity, reason = "a vertex is its index and its place")]
     fn falls(
         &self,
         n: DVec3,
@@ -468,4 +467,102 @@ fn area(feature: &Feature, normal: DVec3) -> f64 {
 
 fn contains_all(feature: &Feature, mut vertices: impl Iterator<Item = u32>) -> bool {
     vertices.all(|vertex| feature.corners().iter().any(|corner| corner.vertex == vertex))
+}
+
+#[cfg(test)]
+mod tests {
+    use ::shapes::families::Family;
+    use ::shapes::rng::SplitMix64;
+    use hullmap_testkit::packs::tree_bytes;
+
+    use super::*;
+    use crate::Pack;
+    use crate::shapes::feature::ring;
+
+    const SEED: u64 = 20_261_201;
+
+    fn hulls(mut judge: impl FnMut(&Hull<'_>, &mut SplitMix64, &str)) {
+        let mut rng = SplitMix64::new(SEED);
+        for family in [Family::Sphere, Family::Rock, Family::ClusteredEllipsoid, Family::Prism] {
+            for count in [8, 40, 400] {
+                let pack = Pack::from_bytes(&tree_bytes(&family.points(count, 3))).unwrap();
+                judge(&pack.hull(0).unwrap(), &mut rng, &format!("{family:?} {count}, seed {SEED}"));
+            }
+        }
+    }
+
+    fn vertices(feature: &Feature) -> Vec<u32> {
+        let mut vertices: Vec<u32> = feature.corners().iter().map(|corner| corner.vertex).collect();
+        vertices.sort_unstable();
+        vertices
+    }
+
+    /// The edge from the support point of the unit vector `dir` to a vertex.
+    fn top(hull: &Hull<'_>, vertex: u32, dir: DVec3) -> DVec3 {
+        SupportMap::support_point(hull, dir).point - hull.vertex(vertex).unwrap().as_dvec3()
+    }
+
+    /// Beside the ring of support queries, and along directions tilted by up to the fall.
+    #[test]
+    fn vertices_and_edges_by_their_edges_are_those_by_support_queries() {
+        let [mut corners, mut edges] = [0, 0];
+        hulls(|hull, rng, name| {
+            for _ in 0..200 {
+                let vertex = rng.below(hull.vertex_count()) as u32;
+                let Some(next) = hull.neighbours(vertex).next() else { continue };
+                // Towards a vertex, or the middle of an edge, seen from the inside.
+                let [from, to] = [vertex, next].map(|v| hull.vertex(v).unwrap().as_dvec3() - hull.interior_point());
+                let dir = from.lerp(to, 0.5 * rng.below(2) as f64).normalize();
+                let mut found = Feature::new();
+                hull.feature(dir, &mut found);
+                if found.fall() == 0.0 {
+                    continue;
+                }
+                let mut queried = Feature::new();
+                ring(hull, dir, &mut queried);
+                // Between two of its first eight directions, the ring misses an edge that falls by nearly
+                // the angle.
+                let [of_edges, of_queries] = [&found, &queried].map(vertices);
+                let is_missed = |v: &u32| of_queries.contains(v) || tangent(top(hull, *v, dir), dir) > 0.92 * TILT;
+                assert!(of_queries.iter().all(|v| of_edges.contains(v)), "{name}, {dir}");
+                assert!(of_edges.iter().all(is_missed), "{name}, {dir}: {of_edges:?} {of_queries:?}");
+                *[&mut corners, &mut edges][found.corners().len() - 1] += 1;
+                let cone = Cone::new(dir, found.fall() * (1.0 - 1e-9));
+                for step in 0..32 {
+                    let support = SupportMap::support_point(hull, cone.tilted(step));
+                    assert!(vertices(&found).contains(&support.feature), "{name}, {dir}, step {step}");
+                }
+            }
+        });
+        assert!(corners > 300 && edges > 100, "{corners} vertices, {edges} edges");
+    }
+
+    /// A feature that is taken again from the last one, beside a new one.
+    #[test]
+    fn kept_faces_have_the_corners_of_new_ones() {
+        let [mut lone, mut merged, mut others] = [0, 0, 0];
+        hulls(|hull, rng, name| {
+            for _ in 0..60 {
+                let face = rng.below(hull.face_count()) as u32;
+                let (mut dir, mut kept) = (hull.face_normal(face).unwrap(), Feature::new());
+                let reach = hull.outer_radius() * [0.02, 0.1][rng.below(2)];
+                for frame in 0..6 {
+                    let before = kept.kept;
+                    hull.reduced_feature_within(dir, reach, &mut kept);
+                    let mut new = Feature::new();
+                    hull.reduced_feature_within(dir, reach, &mut new);
+                    assert_eq!((kept.corners(), kept.is_flat()), (new.corners(), new.is_flat()), "{name}, {frame}");
+                    let is_again = before == kept.kept || before.lone_face() == kept.kept.lone_face();
+                    let count = match before.lone_face() {
+                        _ if before == KeptFace::NONE || !is_again => &mut others,
+                        Some(_) => &mut lone,
+                        None => &mut merged,
+                    };
+                    *count += 1;
+                    dir = (dir + DVec3::from_array(rng.direction()) * 0.003).normalize();
+                }
+            }
+        });
+        assert!(lone > 400 && merged > 400 && others > 400, "{lone} alone, {merged} merged, {others} others");
+    }
 }
