@@ -230,12 +230,9 @@ impl Hull<'_> {
         // below the second term.
         let flat = (MERGED_SHARE * reach).max(ROUGHNESS * self.outer_radius());
         let kept = out.kept;
-        if let Some((vertices, is_flat)) = kept.feature(face, flat)
-            && self.corners_of(vertices, out)
+        if let Some(vertices) = kept.vertices(face, flat)
+            && if vertices.is_empty() { self.own_corners(face, wanted, out) } else { self.corners_of(vertices, out) }
         {
-            if is_flat {
-                out.set_flat();
-            }
             return;
         }
         // Support points in all directions near the normal are corners of the face.
@@ -564,5 +561,25 @@ mod tests {
             }
         });
         assert!(lone > 400 && merged > 400 && others > 400, "{lone} alone, {merged} merged, {others} others");
+    }
+
+    /// A manifold of parts is used for another part.
+    #[test]
+    fn flat_features_are_faces_whatever_is_kept() {
+        let packs = [3, 4].map(|seed| Pack::from_bytes(&tree_bytes(&Family::Sphere.points(40, seed))).unwrap());
+        let [x, y] = packs.each_ref().map(|pack| pack.hull(0).unwrap());
+        let mut flat = 0;
+        for other in 0..x.face_count().min(y.face_count()) as u32 {
+            let mut found = Feature::new();
+            x.feature_within(x.face_normal(other).unwrap(), 0.1, &mut found);
+            y.feature_within(y.face_normal(other).unwrap(), 0.1, &mut found);
+            if found.is_flat() && found.corners().len() > 2 {
+                let is_face =
+                    |face: u32| contains_all(&found, y.face(face)) && y.face(face).len() == found.corners().len();
+                assert!((0..y.face_count() as u32).any(is_face), "face {other}: {found:?}");
+                flat += 1;
+            }
+        }
+        assert!(flat > 20, "{flat}");
     }
 }

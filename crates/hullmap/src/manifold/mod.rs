@@ -134,7 +134,7 @@ impl Manifold {
     /// Removes all points.
     pub fn clear(&mut self) {
         self.points.clear();
-        self.status = Status::Separated;
+        (self.status, self.kept_faces) = (Status::Separated, [KeptFace::NONE; 2]);
     }
 
     /// Depth of the deepest point; negative infinity without any.

@@ -85,6 +85,8 @@ const MAX_KEPT: usize = 12;
 
 /// The face of a hull that a feature was made of. A manifold keeps it, so that the hull need not
 /// look again for the faces around it. [`Feature::clear`] leaves it.
+///
+/// Even if it is of another hull, the corners are vertices, and a flat feature is a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct KeptFace {
     /// Which face: `u32::MAX` for none.
@@ -92,18 +94,17 @@ pub(crate) struct KeptFace {
     /// How far below its plane corners of merged faces may be: a length. NaN if no face beside it
     /// can be merged into it.
     flat: f64,
-    /// The vertices of the feature; none if they are not kept.
+    /// The vertices of merged faces.
     vertices: [u32; MAX_KEPT],
+    /// How many they are; none if the face is the feature.
     count: u8,
-    /// Whether the feature is flat.
-    is_flat: bool,
 }
 
 impl KeptFace {
     /// No face.
-    pub(crate) const NONE: Self = Self { face: u32::MAX, flat: 0.0, vertices: [0; MAX_KEPT], count: 0, is_flat: false };
+    pub(crate) const NONE: Self = Self { face: u32::MAX, flat: 0.0, vertices: [0; MAX_KEPT], count: 0 };
 
-    /// A face that is the feature alone, however small `flat` is.
+    /// A face that is the feature alone, however large `flat` is.
     pub(crate) fn lone(face: u32) -> Self {
         Self { face, flat: f64::NAN, ..Self::NONE }
     }
@@ -113,23 +114,28 @@ impl KeptFace {
         self.flat.is_nan().then_some(self.face)
     }
 
-    /// The face with all around it that is at most `flat` below its plane: `feature`.
+    /// A face with all around it that is at most `flat` below its plane: `feature`.
     pub(crate) fn merged(face: u32, flat: f64, feature: &Feature) -> Self {
-        let mut kept = Self { face, flat, is_flat: feature.is_flat, ..Self::NONE };
-        if feature.is_reduced || feature.corners.len() > MAX_KEPT {
-            return Self::NONE;
-        }
-        for (vertex, corner) in kept.vertices.iter_mut().zip(&feature.corners) {
-            *vertex = corner.vertex;
-            kept.count += 1;
+        let corners = feature.corners();
+        let mut kept = Self { face, flat, ..Self::NONE };
+        match corners.len() {
+            0..3 => return Self::NONE,
+            // A flat one is the face itself.
+            _ if feature.is_flat() => {}
+            count if count > MAX_KEPT => return Self::NONE,
+            count => {
+                kept.count = count as u8;
+                kept.vertices.iter_mut().zip(corners).for_each(|(vertex, corner)| *vertex = corner.vertex);
+            }
         }
         kept
     }
 
-    /// The vertices of the feature of a face, if they are kept, and whether it is flat.
-    pub(crate) fn feature(&self, face: u32, flat: f64) -> Option<(&[u32], bool)> {
+    /// The vertices of the feature of a face, or none if it is the face itself; `None` if it is not
+    /// kept.
+    pub(crate) fn vertices(&self, face: u32, flat: f64) -> Option<&[u32]> {
         let vertices = self.vertices.get(..usize::from(self.count))?;
-        (self.face == face && self.flat == flat && !vertices.is_empty()).then_some((vertices, self.is_flat))
+        (self.face == face && self.flat == flat).then_some(vertices)
     }
 }
 
