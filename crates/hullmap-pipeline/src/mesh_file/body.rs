@@ -144,6 +144,13 @@ pub fn cube(name: &str) -> Body {
     Body { name: name.to_owned(), rank: 3, part: 0, origin: [0.0; 3], positions, polygons, primitive: None, mesh: None }
 }
 
+/// Numbers of bodies, of their vertices and of their triangles.
+pub fn counts(bodies: &[Body]) -> [usize; 3] {
+    let vertices = bodies.iter().map(|body| body.positions.len()).sum();
+    let triangles = bodies.iter().map(|body| body.triangles().count()).sum();
+    [bodies.len(), vertices, triangles]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

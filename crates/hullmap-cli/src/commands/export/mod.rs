@@ -21,7 +21,7 @@ use crate::args::export::{ExportArgs, Format, Target};
 use crate::selection::Selection;
 use crate::terminal::{self, Output};
 use hullmap_geometry::number::{grouped, rounded};
-use hullmap_pipeline::mesh_file::body::{Body, DENSITY, Inertial};
+use hullmap_pipeline::mesh_file::body::{Body, DENSITY, Inertial, counts};
 use hullmap_pipeline::mesh_file::names::{self, NAMES_IN_MESSAGE};
 use hullmap_pipeline::mesh_file::place::{self, OutputFile, State};
 use hullmap_pipeline::mesh_file::seal::{SEAL, sealed};
@@ -150,11 +150,10 @@ impl Export<'_> {
         }
         self.rename(place, &pack, &mut bodies);
         let files = if let Some(into) = &args.into {
-            let counts = Some(counts(&bodies));
             let is_solid = |&index: &usize| pack.hull(index).is_ok_and(|hull| hull.rank() == 3);
             let indices: Vec<usize> = indices.into_iter().filter(is_solid).collect();
-            let bytes = Added { args, path, pack: &pack, indices: &indices }.file(into, bodies)?;
-            vec![ExportedFile { name: String::new(), bytes, counts }]
+            let (bytes, counts) = Added { args, path, pack: &pack, indices: &indices }.file(into, bodies)?;
+            vec![ExportedFile { name: String::new(), bytes, counts: Some(counts) }]
         } else {
             let mass = self.mass(place, &pack, &indices);
             files(args, path, &pack, self.format, self.is_folder, bodies, mass.as_ref())?
@@ -490,12 +489,6 @@ fn file(args: &ExportArgs, pack: &Pack, format: Format, name: String, bodies: &[
         Format::F32 => return Err("has no heights; f32 is for height fields: name another format".to_owned()),
     };
     Ok(ExportedFile { name, bytes, counts: Some(counts(bodies)) })
-}
-
-fn counts(bodies: &[Body]) -> [usize; 3] {
-    let vertices = bodies.iter().map(|body| body.positions.len()).sum();
-    let triangles = bodies.iter().map(|body| body.triangles().count()).sum();
-    [bodies.len(), vertices, triangles]
 }
 
 /// Writes the files that have changed, with a line for each. Returns their number, and the number

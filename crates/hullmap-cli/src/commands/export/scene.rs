@@ -22,7 +22,7 @@ use crate::args::export::{ExportArgs, Target};
 use crate::scene::colliders::{self, Collider, Form, Motion};
 use crate::scene::container::GltfFile;
 use crate::terminal;
-use hullmap_pipeline::mesh_file::body::{Body, DENSITY};
+use hullmap_pipeline::mesh_file::body::{Body, DENSITY, counts};
 use hullmap_pipeline::mesh_file::names::{self, NAMES_IN_MESSAGE};
 use hullmap_pipeline::mesh_file::obj;
 use hullmap_pipeline::mesh_file::seal::{SEAL, sealed};
@@ -30,6 +30,7 @@ use hullmap_pipeline::options::BuildOptions;
 use hullmap_pipeline::outcome::Failure;
 use hullmap_pipeline::pack_file::folder_of;
 use hullmap_pipeline::principal_axes::principal_axes;
+use hullmap_pipeline::source::Recorded;
 
 /// Tolerance within which a scale counts as 1.
 const UNSCALED: f64 = 1e-4;
@@ -57,7 +58,8 @@ pub fn alone(args: &ExportArgs, bodies: Vec<Body>) -> Result<Vec<u8>, String> {
 }
 
 impl Added<'_> {
-    pub fn file(&self, into: &Path, bodies: Vec<Body>) -> Result<Vec<u8>, Failure> {
+    /// The file with the hulls, and their numbers.
+    pub fn file(&self, into: &Path, bodies: Vec<Body>) -> Result<(Vec<u8>, [usize; 3]), Failure> {
         let form = form(self.args);
         let shown = into.display();
         let fault = |message: String| Failure::rejected(format!("{shown}: {message}"));
@@ -65,9 +67,17 @@ impl Added<'_> {
             ReadError::Io(error) => Failure::usage(format!("--into {shown}: cannot read: {error}; check the file")),
             ReadError::Import(error) => Failure::rejected(error.to_string()),
         })?;
+        let recorded = Recorded::from_pack(self.pack);
+        if Path::new(recorded.path).file_name() == into.file_name() && source.hash != recorded.hash {
+            terminal::warning(format_args!(
+                "{shown}: has changed since {} was baked; bake it again, or its colliders may be elsewhere",
+                self.path.display()
+            ));
+        }
         let stem = into.file_stem().unwrap_or_default().to_string_lossy();
         if into.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj")) {
-            return self.obj(into, &source, &stem, bodies);
+            let counts = counts(&bodies);
+            return Ok((self.obj(into, &source, &stem, bodies)?, counts));
         }
         let objects = scene_objects(&shown.to_string(), &stem, &source, &Limits::DEFAULT);
         let objects = objects.map_err(|error| Failure::rejected(error.to_string()))?;
@@ -78,7 +88,10 @@ impl Added<'_> {
 
         let options = self.import_options();
         let owners = self.owners(into, &objects, options.split)?;
+        let (bodies, owners) =
+            if form.is_in_node { of_first_nodes(into, &document, bodies, owners) } else { (bodies, owners) };
         let bodies = self.named(into, &objects, bodies, &owners)?;
+        let counts = counts(&bodies);
         if self.args.target == Some(Target::Godot) {
             warn_of_scales(into, owners.iter().flatten().copied());
         }
@@ -106,7 +119,7 @@ impl Added<'_> {
         } else {
             self.motions(&owners, &document.parents().map_err(fault)?, &options)?
         };
-        colliders::add(&file, &colliders, &motions, &form).map_err(fault)
+        Ok((colliders::add(&file, &colliders, &motions, &form).map_err(fault)?, counts))
     }
 
     fn obj(&self, into: &Path, source: &SourceFile, stem: &str, bodies: Vec<Body>) -> Result<Vec<u8>, Failure> {
@@ -381,6 +394,38 @@ fn with_groups(text: &str, stem: &str, name: Option<&str>) -> String {
     grouped
 }
 
+/// The hulls of the first node of each mesh: Unreal makes one static mesh of a mesh, wherever its
+/// nodes stand, and each hull would count for all of them.
+fn of_first_nodes<'o>(
+    into: &Path,
+    document: &Document,
+    bodies: Vec<Body>,
+    owners: Vec<Option<&'o SceneObject>>,
+) -> (Vec<Body>, Vec<Option<&'o SceneObject>>) {
+    // The names of the nodes of each mesh, by their indices.
+    let mut nodes: BTreeMap<u64, BTreeMap<usize, &str>> = BTreeMap::new();
+    let mesh_of = |owner: &SceneObject| document.nodes.get(owner.node)?.mesh.map(|mesh| mesh as u64);
+    for owner in owners.iter().flatten() {
+        if let Some(mesh) = mesh_of(owner) {
+            nodes.entry(mesh).or_default().insert(owner.node, &owner.name);
+        }
+    }
+    for (mesh, nodes) in nodes.iter().filter(|(_, nodes)| nodes.len() > 1) {
+        let name = document.meshes.get(*mesh as usize).and_then(|mesh| mesh.name.clone());
+        let (name, first) = (name.unwrap_or_else(|| mesh.to_string()), nodes.values().next().unwrap_or(&""));
+        terminal::note(format_args!(
+            "{}: {} nodes have mesh {name}, which is one static mesh in Unreal; it gets the hulls of {first}",
+            into.display(),
+            nodes.len()
+        ));
+    }
+    let is_first = |owner: &Option<&SceneObject>| {
+        let first = owner.and_then(|owner| nodes.get(&mesh_of(owner)?)?.keys().next().map(|first| (owner, *first)));
+        first.is_none_or(|(owner, first)| owner.node == first)
+    };
+    bodies.into_iter().zip(owners).filter(|(_, owner)| is_first(owner)).unzip()
+}
+
 /// Warns of scaled nodes: Godot supports no scaled bodies.
 fn warn_of_scales<'o>(into: &Path, owners: impl Iterator<Item = &'o SceneObject>) {
     let scale = |owner: &SceneObject| owner.node_in_scene.to_scale_rotation_translation().0;
@@ -391,7 +436,7 @@ fn warn_of_scales<'o>(into: &Path, owners: impl Iterator<Item = &'o SceneObject>
     let (file, name, scale) = (into.display(), &first.name, scale(first).to_array().map(rounded).join(" "));
     terminal::warning(format_args!(
         "{file}: node {name} is scaled by {scale}{more}, and Godot supports no scaled bodies; apply the scale in your \
-         modeller, and bake again"
+         modeller, or pack with `gltfpack -noq`, and bake again"
     ));
 }
 
