@@ -68,10 +68,9 @@ impl Portal {
     #[inline(always)]
     pub(super) fn recall<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
         m: &Minkowski<'_, A, B>,
-        features: [[u32; 2]; 3],
+        [v1, v2, v3]: [[u32; 2]; 3],
     ) -> Option<Self> {
-        let [Some(v1), Some(v2), Some(v3)] = features.map(|features| m.recall(features)) else { return None };
-        Some(Self { vertices: [v1, v2, v3] })
+        Some(Self { vertices: [m.recall(v1)?, m.recall(v2)?, m.recall(v3)?] })
     }
 
     /// Normal of the portal, away from v0 and not of unit length. `None` if the portal has no area.
