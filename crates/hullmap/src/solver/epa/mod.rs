@@ -122,8 +122,8 @@ fn restore<A: SupportMap + ?Sized, B: SupportMap + ?Sized, const V: usize, const
     polytope: &mut Polytope<V, F>,
     kept: &CachedPolytope<'_>,
 ) -> bool {
-    let points = kept.points.iter().map(|features| m.recall(*features));
-    polytope.restore(points, kept.corners, kept.neighbours) && polytope.encloses()
+    let recall = |features| m.recall(features);
+    polytope.restore(kept.points, recall, kept.corners, kept.neighbours) && polytope.encloses()
 }
 
 impl<A: SupportMap + ?Sized, B: SupportMap + ?Sized> Solver<'_, '_, A, B, EpaSearch, Workspace> {

@@ -164,13 +164,17 @@ impl<const V: usize, const F: usize> Polytope<V, F> {
     /// free. Returns false if the surface does not fit, a point is unknown, or a face has no area.
     pub(in crate::solver) fn restore(
         &mut self,
-        points: impl Iterator<Item = Option<Point>>,
+        points: &[[u32; 2]],
+        recall: impl Fn([u32; 2]) -> Option<Point>,
         corners: &[[u8; 3]],
         neighbours: &[[u8; 3]],
     ) -> bool {
         self.point_count = 0;
-        for point in points {
-            let (Some(point), true) = (point, self.point_count < V) else { return false };
+        if points.len() > V {
+            return false;
+        }
+        for features in points {
+            let Some(point) = recall(*features) else { return false };
             self.push(point);
         }
         if corners.len() > F {
