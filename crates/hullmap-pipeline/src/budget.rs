@@ -213,7 +213,7 @@ impl Budget {
         if let Some(limit) = self.aspect
             && !(of.aspect <= limit)
         {
-            exceeded.push(format!("an aspect of {:.0}:1, and at most {limit:.0}:1 fits", of.aspect));
+            exceeded.push(format!("an aspect of {:.1}:1, and at most {limit:.0}:1 fits", of.aspect));
         }
         if let Some(limit) = self.thickness
             && !(of.thickness >= limit)

@@ -100,12 +100,12 @@ pub fn run(args: &RobotArgs, out: &mut Output) -> Result<Exit, Failure> {
     configs.overridden(&args.options.0).iter().for_each(terminal::note);
     let baked = bake(args, &robots, project)?;
     let mut exit = Exit::Done;
-    let mut rows = Vec::new();
+    let (mut rows, mut written) = (Vec::new(), Written::new());
     for (mut row, robot) in robots {
         let start = Instant::now();
         let result = robot.and_then(|robot| {
             let jobs = &baked[robot.first_job..robot.first_job + robot.choices.jobs.len()];
-            finish(args, robot, jobs, &mut row).map_err(|failure| vec![failure])
+            finish(args, robot, jobs, &mut row, &mut written).map_err(|failure| vec![failure])
         });
         match result {
             Ok(own) => exit = exit.max(own),
@@ -200,6 +200,23 @@ fn failure(error: &RobotError) -> Failure {
     if error.is_unreadable { Failure::usage(error.to_string()) } else { Failure::rejected(error.to_string()) }
 }
 
+/// Bytes of the files of a run so far, and the description that each belongs to.
+type Written = BTreeMap<PathBuf, (Vec<u8>, String)>;
+
+/// Fails if another description of this run has written other bytes to one of these files.
+fn check_clashes(outputs: &[OutputFile], written: &Written, file: &str) -> Result<(), Failure> {
+    for OutputFile { path, bytes } in outputs {
+        if let Some((_, other)) = written.get(path).filter(|(other, _)| other != bytes) {
+            return Err(Failure::usage(format!(
+                "{}: {other} and {file} would write different files there; write them to separate folders, or name \
+                 only the one that contains the other",
+                shown(path)
+            )));
+        }
+    }
+    Ok(())
+}
+
 type Prepared = (Row, Result<Robot, Vec<Failure>>);
 
 fn bake(args: &RobotArgs, robots: &[Prepared], project: &Path) -> Result<Vec<(build_rows::Row, Exit)>, Failure> {
@@ -238,7 +255,13 @@ fn why_stale(own: &build_rows::Row) -> Option<String> {
     is_stale.then(|| format!("{}: {}", shown(Path::new(&own.source)), own.reason.as_deref().unwrap_or("stale")))
 }
 
-fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row: &mut Row) -> Result<Exit, Failure> {
+fn finish(
+    args: &RobotArgs,
+    robot: Robot,
+    baked: &[(build_rows::Row, Exit)],
+    row: &mut Row,
+    written: &mut Written,
+) -> Result<Exit, Failure> {
     row.format = Some(robot.description.format.name());
     row.links = Some(robot.description.links.len());
     row.output = Some(shown(&robot.target.file));
@@ -283,8 +306,7 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
     if args.inertia {
         changes.extend(inertias(&description, &choices, &hulls, row));
     }
-    let mut outputs = Vec::new();
-    let mut page = None;
+    let (mut outputs, mut page) = (Vec::new(), None);
     if args.exclude_pairs || args.report.is_some() {
         let sampling = Sampling { count: args.samples, seed: args.seed };
         let pairs = Pairs::new(&description, &choices, &hulls, &mut meshes, sampling);
@@ -302,18 +324,15 @@ fn finish(args: &RobotArgs, robot: Robot, baked: &[(build_rows::Row, Exit)], row
     let documents = description.changed(&changes).map_err(|error| failure(&error))?;
     outputs.extend(hulls.iter_mut().filter(|own| own.fault.is_none()).flat_map(|own| std::mem::take(&mut own.files)));
     outputs.extend(copies(&description, &target, &documents)?);
-    let texts = described(&description, &target, documents)?;
-    outputs.extend(texts);
+    outputs.extend(described(&description, &target, documents)?);
     check_inputs(args, &description, &outputs)?;
+    check_clashes(&outputs, written, &row.file)?;
     let exit = settle(args, &target, &outputs, row)?;
     if let Some((file, page)) = args.report.as_ref().zip(page) {
         OutputFile { path: file.clone(), bytes: page.into_bytes() }.write_if_changed()?;
     }
-    let unused = files::left_over(&target.meshes, &used(&description, &outputs));
-    if !unused.is_empty() && description.mesh_folder(&target.folder).is_none() {
-        let names = listed(unused.iter().map(|path| shown(path)));
-        row.warnings.push(format!("{}: hulls of earlier runs are not in use: {names}; remove them", row.file));
-    }
+    warn_of_unused(&description, &target, &outputs, written, row);
+    written.extend(outputs.into_iter().map(|output| (output.path, (output.bytes, row.file.clone()))));
     Ok(exit)
 }
 
@@ -399,6 +418,23 @@ fn unreachable(description: &Description, target: &Target, choices: &Choices, pl
         |name: &str, file: &Path| places.resolve(name, &target.folder).is_ok_and(|found| is_same_file(&found, file));
     let lost = meshes.into_iter().filter(|(name, file)| target.is_elsewhere() && !is_reached(name, file));
     lost.map(|(name, _)| name.to_owned()).collect()
+}
+
+/// Warns of hulls in the folder of the meshes that no robot of this run uses.
+fn warn_of_unused(
+    description: &Description,
+    target: &Target,
+    outputs: &[OutputFile],
+    written: &Written,
+    row: &mut Row,
+) {
+    let mut used = used(description, outputs);
+    used.extend(written.keys().cloned());
+    let unused = files::left_over(&target.meshes, &used);
+    if !unused.is_empty() && description.mesh_folder(&target.folder).is_none() {
+        let names = listed(unused.iter().map(|path| shown(path)));
+        row.warnings.push(format!("{}: hulls of earlier runs are not in use: {names}; remove them", row.file));
+    }
 }
 
 fn used(description: &Description, outputs: &[OutputFile]) -> BTreeSet<PathBuf> {
