@@ -517,8 +517,8 @@ mod tests {
                 }
                 let mut queried = Feature::new();
                 ring(hull, dir, &mut queried);
-                // Between two of its first eight directions, the ring misses an edge that falls by nearly
-                // the angle.
+                // Between two of its first eight directions, the ring misses an edge that falls by
+                // nearly the angle.
                 let [of_edges, of_queries] = [&found, &queried].map(vertices);
                 let is_missed = |v: &u32| of_queries.contains(v) || tangent(top(hull, *v, dir), dir) > 0.92 * TILT;
                 assert!(of_queries.iter().all(|v| of_edges.contains(v)), "{name}, {dir}");
