@@ -141,6 +141,9 @@ impl Export<'_> {
         };
         let (indices, mut bodies) = selected(args, path, &pack)?;
         leave_out(args, path, self.format, &mut bodies)?;
+        if bodies.is_empty() {
+            return Ok(false);
+        }
         if bodies.len() > 1 && self.format == Format::Stl && !self.is_folder {
             return Err(Failure::usage(format!(
                 "{}: has {} hulls, and an STL file holds one; add --parts, select one with --hull, or use another format",
@@ -338,6 +341,7 @@ fn selected(args: &ExportArgs, path: &Path, pack: &Pack) -> Result<(Vec<usize>, 
     Ok((indices, bodies))
 }
 
+/// Removes hulls that the target does not take, with a warning. None may be left of a pack in a folder.
 fn leave_out(args: &ExportArgs, path: &Path, format: Format, bodies: &mut Vec<Body>) -> Result<(), Failure> {
     let (least_rank, holder, holds) = match (args.target, format) {
         (Some(target), _) => (3, target.name(), "solids"),
@@ -353,7 +357,8 @@ fn leave_out(args: &ExportArgs, path: &Path, format: Format, bodies: &mut Vec<Bo
     let more = if unfit.len() > NAMES_IN_MESSAGE { ", …" } else { "" };
     let message = format!("{holder} takes {holds} only: {}{more}", listed.join(", "));
     let (pack, count) = (path.display(), unfit.len());
-    if count == bodies.len() {
+    // A folder may hold a flat mesh, too.
+    if count == bodies.len() && args.packs.iter().any(|named| named == path) {
         return Err(Failure::rejected(format!("{pack}: nothing to export, because {message}; export as obj or json")));
     }
     let hulls = if count == 1 { "hull" } else { "hulls" };
