@@ -341,7 +341,8 @@ fn selected(args: &ExportArgs, path: &Path, pack: &Pack) -> Result<(Vec<usize>, 
     Ok((indices, bodies))
 }
 
-/// Removes hulls that the target does not take, with a warning. None may be left of a pack in a folder.
+/// Removes hulls that the target does not take, with a warning. None may be left of a pack in a
+/// folder.
 fn leave_out(args: &ExportArgs, path: &Path, format: Format, bodies: &mut Vec<Body>) -> Result<(), Failure> {
     let (least_rank, holder, holds) = match (args.target, format) {
         (Some(target), _) => (3, target.name(), "solids"),
