@@ -128,6 +128,9 @@ fn add_pack<'a>(
     let order: Vec<usize> =
         indices.into_iter().zip(&bodies).filter(|(_, body)| body.rank == 3).map(|at| at.0).collect();
     leave_out(args, path, Format::Obj, &mut bodies)?;
+    if bodies.is_empty() {
+        return Ok(());
+    }
     let unit = layer.meters_per_unit;
     let density = args.density.unwrap_or(DENSITY * unit * unit * unit);
     let mut last: Option<(String, u32)> = None;
