@@ -37,14 +37,19 @@ impl Job {
         match (&self.records, self.options.record_source()) {
             (Some(path), _) => Ok(path.clone()),
             (None, RecordSource::Relative) => {
-                let below = Path::new(&self.place).parent().unwrap_or(Path::new("")).to_owned();
-                let project = Project::of_pack(&PackPlace { path: self.output.clone(), below }, start);
+                let project = self.project(start);
                 let root = project.as_ref().map_or(start, Project::root);
                 recorded_path(&self.source, folder_of(&self.output), root)
             }
             (None, RecordSource::Name) => Ok(name()),
             (None, RecordSource::None) => Ok(String::new()),
         }
+    }
+
+    /// The project of the pack. `start` is the folder where `bake` was started.
+    pub fn project(&self, start: &Path) -> Option<Project> {
+        let below = Path::new(&self.place).parent().unwrap_or(Path::new("")).to_owned();
+        Project::of_pack(&PackPlace { path: self.output.clone(), below }, start)
     }
 
     /// Whether a pack with this record of its source is fresh, where `expected` would be recorded

@@ -25,6 +25,7 @@ use crate::open::{kept_warnings, open_asset};
 use crate::options::BuildOptions;
 use crate::outcome::{Exit, Failure};
 use crate::pack_file::{folder_of, link_below, make_folder, put_in_place, through_link, write_beside};
+use crate::project;
 use crate::triangle_mesh::{MeshSummary, bake_triangles};
 use hullmap_import::{Limits, SourceFile};
 use hullmap_verify::height_field::SourceHeights;
@@ -115,6 +116,7 @@ impl Build<'_> {
             }
             return Ok(status);
         }
+        let replaced = replaced(job, hash, self.project);
         let key = match self.cache {
             Some(_) if job.key.is_empty() => KeyInputs::of_source(job, &source, self.project)?.key(),
             // The planned key was checked.
@@ -126,7 +128,10 @@ impl Build<'_> {
             && !self.force
         {
             rejected = match self.take_cached(entry, job, &source, row)? {
-                Cached::Taken => return Ok(Status::Baked),
+                Cached::Taken => {
+                    row.warnings.extend(replaced);
+                    return Ok(Status::Baked);
+                }
                 Cached::Rejected(reason) => Some(reason),
                 Cached::Missing => None,
             };
@@ -155,6 +160,7 @@ impl Build<'_> {
         put_in_place(file, &job.output).map_err(cannot_write)?;
         row.origin = Some(Origin::Local);
         // After the bake: warnings that precede it become a part of the pack.
+        row.warnings.extend(replaced);
         row.warnings.extend(rejected);
         if let Some(entry) = &entry {
             entry.write(&bytes);
@@ -277,6 +283,22 @@ impl Build<'_> {
         [row.notes, row.warnings] = content.remarks().map(<[String]>::to_vec);
         Ok(content)
     }
+}
+
+/// The warning that the existing pack was made of another file of the project, with another name. A
+/// mesh that was renamed is no other file: the recorded one is gone, or has the same bytes.
+fn replaced(job: &Job, source_hash: u128, start: &Path) -> Option<String> {
+    let asset = open_asset(&job.output).ok()?;
+    let was = Path::new(asset.source_path());
+    if was.file_name()? == job.source.file_name()? || asset.header().source_hash == source_hash {
+        return None;
+    }
+    let path = folder_of(&job.output).canonicalize().ok()?.join(was);
+    let is_there = job.project(start)?.find(&path) == project::Found::File;
+    is_there.then(|| {
+        let was = was.display();
+        format!("replaces the pack of `{was}`; bake one of them to another folder, or rename it")
+    })
 }
 
 fn cannot_write(output: &str, error: &std::io::Error) -> Failure {
