@@ -1,6 +1,8 @@
 //! Batches: meshes that are baked together elsewhere, because a task for each mesh would cost
 //! more than its bake.
 //!
+//! The size of a mesh is its [`work`].
+//!
 //! 1. A large mesh is a batch of its own.
 //! 2. The others go to 2^k buckets by the hash of their places; k is the least with which the
 //!    average bucket is within the limits.
@@ -11,6 +13,7 @@
 use std::collections::BTreeMap;
 
 use super::shard::place_hash;
+use crate::options::BuildOptions;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BatchSize {
@@ -29,6 +32,21 @@ impl Default for BatchSize {
 
 /// Share of a batch's bytes from which a mesh is a batch of its own.
 const LARGE: u64 = 4;
+
+/// Work of a decomposition, whatever its size: as much as for hulls of a file of 16 MiB, 1 s. The
+/// gear in `docs/guides/cost.md` takes 0.7 s, the pawn 2 s.
+const DECOMPOSITION: u64 = 16 << 20;
+
+/// Work of a decomposition per byte of source, 4 s per MB: a scan of 69,451 faces takes 20 s.
+const DECOMPOSITION_PER_BYTE: u64 = 64;
+
+/// Estimated work for a mesh, in bytes of a source whose hulls take as long to bake.
+pub fn work(bytes: u64, options: &BuildOptions) -> u64 {
+    match options.decompose() {
+        Some(_) => bytes.saturating_mul(DECOMPOSITION_PER_BYTE).saturating_add(DECOMPOSITION),
+        None => bytes,
+    }
+}
 
 /// Batches as ascending indices by place, buckets before large meshes. Complexity: O(n log n).
 pub fn batches(meshes: &[(&str, u64)], size: BatchSize) -> Vec<Vec<usize>> {
@@ -49,6 +67,7 @@ pub fn batches(meshes: &[(&str, u64)], size: BatchSize) -> Vec<Vec<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::options::resolved::tests::options;
 
     fn places(count: usize) -> Vec<String> {
         (0..count).map(|i| format!("a/{i}.obj")).collect()
@@ -82,6 +101,15 @@ mod tests {
         let (before, after) =
             (batched(&places[..10_000], 1, BatchSize::default()), batched(&places, 1, BatchSize::default()));
         assert_eq!(before.iter().zip(&after).filter(|(a, b)| a != b).count(), 1);
+    }
+
+    /// All decompositions were one task, which one core baked.
+    #[test]
+    fn decompositions_are_alone() {
+        let decomposed = options(&[("decompose", "true")]);
+        let meshes = [("a", &decomposed), ("b", &decomposed), ("c", &BuildOptions::default())];
+        let meshes = meshes.map(|(place, options)| (place, work(5000, options)));
+        assert_eq!(batches(&meshes, BatchSize::default()), [vec![2], vec![0], vec![1]]);
     }
 
     #[test]

@@ -8,6 +8,7 @@ use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::batch::work;
 use super::job::{Input, Job};
 use super::key::{KeyInputs, sha256};
 use super::pack_names::PackName;
@@ -77,8 +78,12 @@ impl Task {
     pub fn new(task: usize, out: &Path, meshes: Vec<TaskMesh>) -> Self {
         let keys: String = meshes.iter().map(|mesh| mesh.key.as_str()).collect();
         let bytes = |mesh: &TaskMesh| mesh.inputs.iter().map(|input| input.bytes).sum::<u64>();
+        let work = |mesh: &TaskMesh| {
+            let options = BuildOptions::from_recorded(&mesh.options).unwrap_or_default();
+            work(bytes(mesh), &options) as f64
+        };
+        let cost_ms = MILLIS_PER_MESH * meshes.len() as f64 + MILLIS_PER_BYTE * meshes.iter().map(work).sum::<f64>();
         let bytes: u64 = meshes.iter().map(bytes).sum();
-        let cost_ms = MILLIS_PER_MESH * meshes.len() as f64 + MILLIS_PER_BYTE * bytes as f64;
         Self {
             task,
             key: sha256(keys.as_bytes()),
@@ -127,7 +132,7 @@ impl TaskMesh {
 /// Estimated time that each mesh takes, whatever its size: 0.4 ms for a mesh of 8 vertices.
 const MILLIS_PER_MESH: f64 = 0.4;
 
-/// Estimated time for each byte of source: 18 ms for an OBJ file of 300 KB, half for its hull.
+/// Estimated time for each byte of [`work`]: 18 ms for an OBJ file of 300 KB, half for its hull.
 const MILLIS_PER_BYTE: f64 = 6e-5;
 
 /// The next task; `None` at the end. `line` is the number of the last line that was read, and empty

@@ -12,7 +12,7 @@ use crate::args::{Emit, PlanArgs};
 use crate::rows::jobs_of_folders;
 use crate::terminal::{self, Output};
 use hullmap_pipeline::jobs::Job;
-use hullmap_pipeline::jobs::batch::{BatchSize, batches};
+use hullmap_pipeline::jobs::batch::{BatchSize, batches, work};
 use hullmap_pipeline::jobs::key::KeyInputs;
 use hullmap_pipeline::jobs::task::{Task, TaskMesh};
 use hullmap_pipeline::outcome::{Exit, Failure, end};
@@ -20,7 +20,7 @@ use hullmap_pipeline::outcome::{Exit, Failure, end};
 /// A mesh that cannot be read, or whose path cannot be written, is reported and left out.
 pub fn run(args: &PlanArgs, out: &mut Output) -> Result<Exit, Failure> {
     let (jobs, mut exit) = jobs_of_folders(&args.meshes, &args.out)?;
-    let sizes: Vec<u64> = jobs.par_iter().map(Job::source_bytes).collect();
+    let sizes: Vec<u64> = jobs.par_iter().map(|job| work(job.source_bytes(), &job.options)).collect();
     let meshes: Vec<(&str, u64)> = jobs.iter().map(|job| job.place.as_str()).zip(sizes).collect();
     let size = BatchSize { meshes: args.batch, bytes: args.batch_bytes.unwrap_or(BatchSize::default().bytes) };
     let mut index = 0;
