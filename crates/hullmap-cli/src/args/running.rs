@@ -17,7 +17,7 @@ pub struct RunArgs {
     pub threads: ThreadArgs,
     /// Maximum memory [default: 4G] [env: HULLMAP_MEMORY]
     ///
-    /// It is for all files in progress
+    /// All files in progress share it
     #[arg(long, env = "HULLMAP_MEMORY", hide_env = true, hide_short_help = true, value_name = "SIZE", value_parser = size, help_heading = RUNNING)]
     pub memory: Option<u64>,
     /// List fresh packs too, and all notes

@@ -119,7 +119,7 @@ const MIN_VERTICES: u32 = 4;
 /// records would change, and with them the hashes by which packs are found fresh.
 pub static OPTIONS: [BuildOption; OPTION_COUNT] = [
     option("split", Words(&["none", "object", "auto"]), "none", "none|object|auto", Section::Mesh)
-        .help("One hull per file, object, or collision part. That is none, object and auto")
+        .help("One hull per file, object, or collision part. The values are none, object and auto, in this order")
         .recorded(Record::Always),
     option("vertices", Words(&["referenced", "all"]), "referenced", "referenced|all", Section::Mesh)
         .help("Use the vertices that elements reference, or all vertices")

@@ -135,8 +135,8 @@ impl Hull<'_> {
     }
 
     /// The vertex or the edge at `vertex`, the support point of the unit vector `n`, into `out`.
-    /// Returns false if the feature is more than that: if two neighbours of the vertex fall by at
-    /// most [`TILT`], or are at most `reach` below it, or one does whose own neighbours do as well.
+    /// Returns false if the feature may be more than that: if more than one neighbour, at either
+    /// end of the edge, falls by at most [`TILT`] or is at most `reach` below the vertex.
     ///
     /// The support point in a tilted direction is where no edge rises, since the hull is convex.
     ///

@@ -313,8 +313,8 @@ pub fn choose(spots: &[Spot], center: DVec2, slight: f64, last: Option<Choice>) 
     kept.filter(|kept| is_as_good(kept, &best, left_out(&best).max(below))).unwrap_or(best)
 }
 
-/// Whether a line separates `center` from all spots: certainly if true, since that line is not the
-/// only one.
+/// Whether a line separates `center` from all spots. Only one line is tried, so `false` proves
+/// nothing.
 fn is_beside(spots: &[Spot], center: DVec2) -> bool {
     let away = spots.iter().map(|spot| spot.at - center).sum::<DVec2>();
     spots.iter().all(|spot| (spot.at - center).dot(away) > 0.0)

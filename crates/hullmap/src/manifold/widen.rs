@@ -73,7 +73,7 @@ pub(super) fn widen<A: Shape + ?Sized, B: Shape + ?Sized>(
         let heights = [(point - frame.origin).dot(frame.normal); 2];
         // The other surface is at most half of the depth beyond the origin.
         let below = if a_is_smaller { -heights[0] } else { heights[1] };
-        if 0.5 * lengths.depth - below - drop(other, frame, at) < -lengths.prediction {
+        if 0.5 * lengths.depth - below - least_drop(other, frame, at) < -lengths.prediction {
             return;
         }
         let parts = if a_is_smaller { [[vertex; 2], FACE] } else { [FACE, [vertex; 2]] };
@@ -85,10 +85,10 @@ pub(super) fn widen<A: Shape + ?Sized, B: Shape + ?Sized>(
         let above = lengths.height_above();
         let until = above - below + lengths.prediction;
         let is_there = if a_is_smaller {
-            let near = near((b, b_in_a), other, frame, at, -1.0);
+            let near = vertex_near((b, b_in_a), other, frame, at, -1.0);
             settle_b((b, b_in_a), frame, near, [above, until], &mut point)
         } else {
-            let near = near((a, Pose::IDENTITY), other, frame, at, 1.0);
+            let near = vertex_near((a, Pose::IDENTITY), other, frame, at, 1.0);
             settle_a(a, frame, near, [above, until], &mut point)
         };
         if is_there && point.depth() >= -lengths.prediction {
@@ -110,7 +110,13 @@ pub(super) fn widen<A: Shape + ?Sized, B: Shape + ?Sized>(
 
 /// A vertex of a shape near the place `at`, on the side of `sign` times the normal of `frame`: a
 /// corner of its feature, or the support point along the normal of a ball around the shape there.
-fn near<S: Shape + ?Sized>((shape, pose): (&S, Pose), feature: &Feature, frame: &Frame, at: DVec2, sign: f64) -> u32 {
+fn vertex_near<S: Shape + ?Sized>(
+    (shape, pose): (&S, Pose),
+    feature: &Feature,
+    frame: &Frame,
+    at: DVec2,
+    sign: f64,
+) -> u32 {
     let (corner, distance) = nearest(feature, frame, at);
     if distance <= NEAR * shape.outer_radius() {
         return corner;
@@ -120,8 +126,8 @@ fn near<S: Shape + ?Sized>((shape, pose): (&S, Pose), feature: &Feature, frame: 
     shape.support_point(pose.inverse_transform_vector(normal)).feature
 }
 
-/// How far the surface of a shape with this feature is below its support plane at least.
-fn drop(feature: &Feature, frame: &Frame, at: DVec2) -> f64 {
+/// The least distance of the surface of a shape from its support plane at the place `at`.
+fn least_drop(feature: &Feature, frame: &Frame, at: DVec2) -> f64 {
     let beside = match *feature.corners() {
         [vertex] => frame.projected(vertex.point).distance(at),
         [start, end] => {

@@ -209,10 +209,10 @@ impl Feature {
         self.is_rounded = true;
     }
 
-    /// Tangent of the angle within which the support points in directions around the feature's own
-    /// are its corners: of a vertex or an edge. So the shape is lower than the highest corner by
-    /// this multiple of the distance from the vertex, or from the line of the edge, seen along the
-    /// direction. 0 if it is not known.
+    /// How steeply the shape falls away from a vertex or an edge: the tangent of the greatest angle
+    /// by which a direction may be tilted so that its support point is still a corner of the
+    /// feature. The shape is lower than the highest corner by at least this multiple of the
+    /// distance from the vertex, or from the line of the edge. 0 if it is not known.
     pub(crate) fn fall(&self) -> f64 {
         self.fall
     }
