@@ -17,7 +17,7 @@ impl From<Exit> for ExitCode {
     }
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Failure {
     pub exit: Exit,
     /// The fault, the file and the remedy; empty if standard output has no reader.

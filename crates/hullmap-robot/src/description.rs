@@ -49,6 +49,8 @@ pub struct Description {
     pub references: Vec<Reference>,
     /// Elements that are left alone, with reasons.
     pub notes: Vec<String>,
+    /// Models that it attaches or includes, whose collisions stay.
+    pub others: Vec<OtherModel>,
     /// Faults that programs reject or read in different ways, each with its file and line.
     pub warnings: Vec<String>,
     /// How its joints move the links.
@@ -196,6 +198,17 @@ impl MeshUse {
     pub fn stretch(&self) -> f64 {
         self.scale.iter().fold(0.0, |max: f64, factor| max.max(factor.abs()))
     }
+}
+
+/// A model in another file: attached in MJCF, included in SDF.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OtherModel {
+    /// Its file or folder, as the description writes it.
+    pub written: String,
+    /// The line that names it.
+    pub line: u32,
+    /// Its file or folder, canonical; `None` if there is none.
+    pub path: Option<PathBuf>,
 }
 
 /// A file that a description names by a path relative to its folder.

@@ -63,7 +63,7 @@ mod urdf;
 pub use chain::{COEFFICIENTS, Chain, Coupling, Displacement, Joint, Motion, Placement};
 pub use collision_filter::{CollisionFilter, masks_match};
 pub use description::{
-    Change, Contacts, Description, Format, Geometry, Link, MeshUse, Reference, Shape, Submesh, Unread,
+    Change, Contacts, Description, Format, Geometry, Link, MeshUse, OtherModel, Reference, Shape, Submesh, Unread,
 };
 pub use document::Document;
 pub use element::escaped;

@@ -112,7 +112,6 @@ impl Dialect {
         (name, document): (String, Document),
         links: Vec<Link>,
         references: BTreeSet<Reference>,
-        notes: Vec<String>,
         chain: Chain,
     ) -> Description {
         let mesh_names = MeshNames { packages: packages_of(&links), ..MeshNames::default() };
@@ -122,7 +121,8 @@ impl Dialect {
             documents: vec![document],
             links,
             references: references.into_iter().collect(),
-            notes,
+            notes: Vec::new(),
+            others: Vec::new(),
             contacts: Contacts::default(),
             unread: Vec::new(),
             warnings: Vec::new(),

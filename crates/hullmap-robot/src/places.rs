@@ -152,6 +152,15 @@ impl Places {
         self.find(Name::of_mesh(name, folder))
     }
 
+    /// The folder, or file, that an included model's name leads to, canonical.
+    pub(crate) fn folder_of_model(&self, name: &str, folder: &Path) -> Option<PathBuf> {
+        let path = match Scheme::split(name) {
+            Some((scheme, rest)) => self.folders_of(scheme, rest.trim_matches('/'), folder).into_iter().next()?,
+            None => folder.join(name),
+        };
+        path.canonicalize().ok()
+    }
+
     pub(crate) fn find(&self, of: Name) -> Result<PathBuf, Unresolved> {
         let (name, folder) = (of.name.trim(), of.folder);
         if name.is_empty() {

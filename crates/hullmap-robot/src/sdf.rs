@@ -11,7 +11,7 @@ use std::ops::Range;
 
 use roxmltree::Node;
 
-use crate::description::{Description, Format, Reference, Submesh, Unread, number, numbers, reference};
+use crate::description::{Description, Format, OtherModel, Reference, Submesh, Unread, number, numbers, reference};
 use crate::document::Document;
 use crate::edit::Edit;
 use crate::element::{child, escaped, lead, removed, without};
@@ -39,7 +39,7 @@ const FILES: [&str; 5] = ["uri", "script", "albedo_map", "normal_map", "filename
 pub(crate) fn read(document: Document, places: &Places) -> Result<Description, RobotError> {
     let tree = document.parse()?;
     let folder = folder_of(document.path());
-    let (mut notes, mut unread) = (Vec::new(), Vec::new());
+    let (mut others, mut unread) = (Vec::new(), Vec::new());
     let is_link = |node: &Node| {
         node.has_tag_name("link") && node.parent_element().is_some_and(|model| model.has_tag_name("model"))
     };
@@ -48,9 +48,7 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
     for node in tree.descendants().filter(|node| node.has_tag_name("include")) {
         let uri = child(node, "uri").and_then(|uri| uri.text()).unwrap_or_default().trim();
         let line = document.line(node.range().start);
-        notes.push(format!(
-            "line {line}: the included model `{uri}` is another file, which keeps its collisions; name that file, too"
-        ));
+        others.push(OtherModel { written: uri.to_owned(), line, path: places.folder_of_model(uri, folder) });
         let element = format!("the included model `{uri}`");
         unread.push(Unread { document: 0, line, element, reason: "it is another file; write its links into this one" });
     }
@@ -61,7 +59,7 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
     let model = tree.descendants().find(|node| node.has_tag_name("model"));
     let name = model.and_then(|model| model.attribute("name")).unwrap_or_default().to_owned();
     drop(tree);
-    Ok(Description { unread, ..DIALECT.description((name, document), links, references, notes, chain) })
+    Ok(Description { unread, others, ..DIALECT.description((name, document), links, references, chain) })
 }
 
 /// Preceded by the names of the models that contain it, unless there is only one.

@@ -50,7 +50,7 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
     let start = names.folder_of_names(&written);
     let only_folder = names.compiler.strips().then(|| names.meshes().to_owned());
     drop(tree);
-    let mut description = DIALECT.description((name, document), links, references, Vec::new(), chain);
+    let mut description = DIALECT.description((name, document), links, references, chain);
     description.warnings = warnings;
     (description.mesh_names.folder, description.mesh_names.only_folder) = (start, only_folder);
     Ok(description)

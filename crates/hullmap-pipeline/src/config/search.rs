@@ -97,8 +97,8 @@ impl Configs {
         let (config, root) = self.applying(&canonical(folder_of(description))?, description)?;
         let Some(config) = config else { return Ok(Chosen::default()) };
         let name = Path::new(mesh.file_name().unwrap_or_default());
-        let folder = canonical(folder_of(mesh))?;
-        let below = folder.strip_prefix(&root).ok().map(|below| below.join(name));
+        let folder = folder_of(mesh).canonicalize().ok();
+        let below = folder.and_then(|folder| Some(folder.strip_prefix(&root).ok()?.join(name)));
         let (_, used) = self.used.entry(root).or_insert_with(|| (config.clone(), BTreeSet::new()));
         let (layer, skips) = config.of_link(link, below.as_deref(), name, used);
         Ok(Chosen { layer, skips, config: Some(config) })

@@ -25,7 +25,7 @@ use std::sync::Arc;
 
 use crate::chain::{Chain, Joint};
 use crate::description::{
-    Description, Format, Geometry, Link, MeshNames, Reference, Shape, Unread, mesh_use, numbers, reference,
+    Description, Format, Geometry, Link, MeshNames, OtherModel, Reference, Shape, Unread, mesh_use, numbers, reference,
 };
 use crate::document::Document;
 use crate::error::RobotError;
@@ -87,7 +87,7 @@ fn read_one(document: Document, places: &Places) -> Result<(Description, Vec<Ref
     };
     let (links, geoms, chain, mut warnings) = reader.bodies()?;
     let (references, attached) = references(&reader);
-    let notes = reader.notes();
+    let (notes, others) = (reader.notes(), reader.others());
     warnings.extend(reader.unknown_classes());
     let name = reader.tree.root().node.attribute("model").unwrap_or_default().to_owned();
     let (contacts, unknown) = contacts::contacts(&reader.tree, &links);
@@ -109,6 +109,7 @@ fn read_one(document: Document, places: &Places) -> Result<(Description, Vec<Ref
         links,
         references,
         notes,
+        others,
         warnings,
         chain,
         contacts,
@@ -413,7 +414,7 @@ impl<'a> Reader<'a> {
         let found = self.tree.all().filter_map(|element| Some((element, reason(&element)?)));
         let found = found.chain(pairs.into_iter().map(|pair| (pair, "it names a geom that is not read")));
         let unread = |(element, reason): (Element, &'static str)| {
-            let line = self.documents[element.document].line(element.node.range().start);
+            let line = self.line(element);
             Unread { document: element.document, line, element: format!("`{}`", element.name()), reason }
         };
         found.map(unread).collect()
@@ -425,18 +426,26 @@ impl<'a> Reader<'a> {
         self.compiler.start(of.name(), name, (folder(0), included), self.places)
     }
 
+    fn line(&self, element: Element) -> u32 {
+        self.documents[element.document].line(element.node.range().start)
+    }
+
     fn notes(&self) -> Vec<String> {
-        let note = |element: Element| {
-            let line = self.documents[element.document].line(element.node.range().start);
-            match (element.name(), element.node.attribute("model")) {
-                ("attach", Some(model)) => {
-                    Some(format!("line {line}: the attached model `{model}` keeps its collisions; name its file, too"))
-                }
-                (name @ ("attach" | "flexcomp"), _) => Some(format!("line {line}: `{name}` keeps its collisions")),
-                _ => None,
-            }
+        let is_whole = |own: &Element| own.name() == "attach" && own.node.attribute("model").is_none();
+        let kept = self.tree.all().filter(|own| is_whole(own) || own.name() == "flexcomp");
+        kept.map(|own| format!("line {}: `{}` keeps its collisions", self.line(own), own.name())).collect()
+    }
+
+    /// The models among its assets.
+    fn others(&self) -> Vec<OtherModel> {
+        let models = self.tree.section("asset").into_iter().filter(|own| own.name() == "model");
+        let other = |own: Element| {
+            let written = own.node.attribute("file")?;
+            let start = self.start(own, written);
+            let path = self.places.resolve(start.name, &start.folder).ok().and_then(|file| file.canonicalize().ok());
+            Some(OtherModel { written: written.to_owned(), line: self.line(own), path })
         };
-        self.tree.all().filter_map(note).collect()
+        models.filter_map(other).collect()
     }
 }
 

@@ -122,7 +122,8 @@ fn faults_name_their_cause() {
                   <worldbody><attach model='a' body='x' prefix='p'/></worldbody></mujoco>";
     let (_guard, root) = folder(&[("a.xml", attach), ("sub/b.xml", "<mujoco>\n<include file='c.xml'/></mujoco>")]);
     let description = read(&root, "a.xml").unwrap();
-    assert!(description.notes[0].contains("the attached model `a` keeps its collisions"), "{:?}", description.notes);
+    let others = description.others.iter().map(|other| (&*other.written, other.path.clone().unwrap()));
+    assert!(others.eq([("a.xml", root.join("a.xml")), ("sub/b.xml", root.join("sub/b.xml"))]));
     let [warning] = &description.warnings[..] else { panic!("{:?}", description.warnings) };
     assert!(
         warning.contains("b.xml:2: no file `c.xml`; restore it, or remove this include, so the files"),

@@ -126,6 +126,12 @@ impl Chooser<'_> {
         choices: &mut Choices,
     ) -> Result<Choice, Failure> {
         let place = || format!("{}:{}", self.description.documents[shape.document].path().display(), shape.line);
+        let file = mesh.file.as_deref().unwrap_or(Path::new(&mesh.written));
+        let Chosen { layer, skips, config } = configs.of_link(self.description.path(), &link.name, file)?;
+        let config = config.map(|config| config.path.clone());
+        if skips {
+            return Ok(Choice::Kept(format!("skip = true in {}", config.unwrap_or_default().display())));
+        }
         let file = match &mesh.file {
             Ok(file) => file,
             // Meshes in the description are files by now.
@@ -139,11 +145,6 @@ impl Chooser<'_> {
                 return Ok(Choice::Kept("not found".to_owned()));
             }
         };
-        let Chosen { layer, skips, config } = configs.of_link(self.description.path(), &link.name, file)?;
-        let config = config.map(|config| config.path.clone());
-        if skips {
-            return Ok(Choice::Kept(format!("skip = true in {}", config.unwrap_or_default().display())));
-        }
         if is_own(file) {
             return Ok(Choice::Kept("it is a hull of bake already".to_owned()));
         }

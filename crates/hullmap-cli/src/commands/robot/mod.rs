@@ -39,6 +39,7 @@ use crate::interrupt;
 use crate::rows::{Notes, run_jobs};
 use crate::terminal::{self, Output};
 use choice::{Choice, Choices, Chooser};
+use files::{Outputs, OwnHulls};
 use hullmap_pipeline::baker::bake_pack;
 use hullmap_pipeline::config::Configs;
 use hullmap_pipeline::glob::Glob;
@@ -55,11 +56,13 @@ use hulls::{Fault, Hulls, read_hulls};
 use meshes::Meshes;
 use pairs::{Pairs, Sampling};
 use rows::{Collision, ExcludedPair, Row, SkippedRow, Status};
-use target::Target;
+use target::{Target, is_same_file};
 
 struct Robot {
     description: Description,
     target: Target,
+    /// Where each of its documents is written.
+    documents: Vec<PathBuf>,
     choices: Choices,
     inline: Vec<OutputFile>,
     /// Names of packages that lead to no file from the output.
@@ -74,18 +77,27 @@ pub fn run(args: &RobotArgs, out: &mut Output) -> Result<Exit, Failure> {
     let project = Path::new(".");
     let mut configs = Configs::new(args.config.as_deref())?;
     let (mut robots, mut job_count) = (Vec::new(), 0);
-    let mut taken: BTreeMap<PathBuf, PathBuf> = BTreeMap::new();
-    for input in &args.inputs {
+    let mut outputs = Outputs::default();
+    let read: Vec<(Row, Read)> = args.inputs.iter().map(|input| read(args, input)).collect();
+    let descriptions: Vec<&Description> = read.iter().filter_map(|(_, own)| Some(&own.as_ref().ok()?.0)).collect();
+    let target = |(_, own): &(Row, Read)| match own {
+        Ok((description, _)) => Target::new(args, description, &descriptions),
+        Err(failure) => Err(failure.clone()),
+    };
+    let targets: Vec<Result<Target, Failure>> = read.iter().map(target).collect();
+    for ((input, (mut row, own)), target) in args.inputs.iter().zip(read).zip(targets) {
         let start = Instant::now();
-        let mut row = Row::new(input.display().to_string());
-        let prepared = prepare(args, input, &mut configs).and_then(|robot| {
-            let first = taken.insert(robot.target.file.clone(), input.clone());
-            first.map_or(Ok(robot), |first| {
+        let ready = target.and_then(|target| Ok((own?, target))).map_err(|failure| vec![failure]);
+        let prepared = ready.and_then(|(own, target)| prepare(args, own, target, &mut configs)).and_then(|robot| {
+            if let Some(first) = outputs.documents.get(&robot.target.file) {
                 let message = "would both be written to the same file; write them to separate folders";
-                Err(vec![Failure::usage(format!("{} and {} {message}", first.display(), input.display()))])
-            })
+                return Err(vec![Failure::usage(format!("{} and {} {message}", first.display(), input.display()))]);
+            }
+            let sources = robot.description.documents.iter().map(|own| own.path().to_owned());
+            outputs.documents.extend(robot.documents.iter().cloned().zip(sources));
+            Ok(robot)
         });
-        row.millis = millis(start);
+        row.millis += millis(start);
         let prepared = prepared.map(|mut robot| {
             robot.first_job = job_count;
             job_count += robot.choices.jobs.len();
@@ -100,15 +112,18 @@ pub fn run(args: &RobotArgs, out: &mut Output) -> Result<Exit, Failure> {
     configs.overridden(&args.options.0).iter().for_each(terminal::note);
     let baked = bake(args, &robots, project)?;
     let mut exit = Exit::Done;
-    let (mut rows, mut written) = (Vec::new(), Written::new());
+    let (mut rows, mut finished): (Vec<Row>, _) = (Vec::new(), Vec::new());
     for (mut row, robot) in robots {
         let start = Instant::now();
         let result = robot.and_then(|robot| {
             let jobs = &baked[robot.first_job..robot.first_job + robot.choices.jobs.len()];
-            finish(args, robot, jobs, &mut row, &mut written).map_err(|failure| vec![failure])
+            finish(args, robot, jobs, &mut row, &mut outputs).map_err(|failure| vec![failure])
         });
         match result {
-            Ok(own) => exit = exit.max(own),
+            Ok((own, hulls)) => {
+                exit = exit.max(own);
+                finished.extend(hulls.map(|hulls| (rows.len(), hulls)));
+            }
             Err(failures) => {
                 row.status = Status::Failed;
                 exit = failures.iter().map(|failure| failure.exit).chain([exit]).max().unwrap_or(exit);
@@ -117,6 +132,13 @@ pub fn run(args: &RobotArgs, out: &mut Output) -> Result<Exit, Failure> {
         }
         row.millis += millis(start);
         rows.push(row);
+    }
+    for (row, hulls) in finished {
+        let unused = hulls.left_over(&outputs);
+        if !unused.is_empty() {
+            let (row, names) = (&mut rows[row], listed(unused.iter().map(|path| shown(path))));
+            row.warnings.push(format!("{}: hulls of earlier runs are not in use: {names}; remove them", row.file));
+        }
     }
     let changed = rows.iter().filter(|row| row.status != Status::Fresh).map(|row| (&*row.file, &*row.notes));
     let mut notes = Notes::new(changed, args.run.verbose);
@@ -163,26 +185,41 @@ fn check_flags(args: &RobotArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Reads a description and decides on its collisions. Several faults are reported together.
-fn prepare(args: &RobotArgs, input: &Path, configs: &mut Configs) -> Result<Robot, Vec<Failure>> {
-    let one = |failure| vec![failure];
+type Read = Result<(Description, Places), Failure>;
+
+fn read(args: &RobotArgs, input: &Path) -> (Row, Read) {
+    let start = Instant::now();
     let place = PackPlace { path: input.to_owned(), below: PathBuf::new() };
     let project = Project::of_pack(&place, Path::new("."));
     let roots = project.iter().map(|project| project.root().to_owned()).collect();
     let remedy = Some("restore it, or leave its link alone with `bake robot --exclude`");
     let places = Places { packages: args.packages.clone(), roots, remedy };
-    let mut description = Description::read(input, &places).map_err(|error| one(failure(&error)))?;
-    if args.exclude_pairs && description.format == Format::Sdf {
-        let message = "--exclude-pairs is for URDF and MJCF: in SDF, links of a model meet only with self_collide";
-        return Err(one(Failure::usage(format!("{}: {message}; remove the flag", input.display()))));
-    }
-    let target = Target::new(args, &description).map_err(one)?;
+    let read = Description::read(input, &places).map_err(|error| failure(&error)).and_then(|description| {
+        if args.exclude_pairs && description.format == Format::Sdf {
+            let message = "--exclude-pairs is for URDF and MJCF: in SDF, links of a model meet only with self_collide";
+            return Err(Failure::usage(format!("{}: {message}; remove the flag", input.display())));
+        }
+        Ok((description, places))
+    });
+    let mut row = Row::new(input.display().to_string());
+    row.millis = millis(start);
+    (row, read)
+}
+
+/// Decides on the collisions of a description. Several faults are reported together.
+fn prepare(
+    args: &RobotArgs,
+    (mut description, places): (Description, Places),
+    target: Target,
+    configs: &mut Configs,
+) -> Result<Robot, Vec<Failure>> {
+    let one = |failure| vec![failure];
     let inline = inline::extract(&mut description, &target);
     let chooser = Chooser { args, description: &description, target: &target };
     let mut choices = chooser.choose(configs).map_err(one)?;
     // Before meshes are baked, which may take minutes.
-    if !args.force && !choices.jobs.is_empty() && is_same_file(input, &target.file) {
-        return Err(one(would_be_replaced(input)));
+    if !args.force && !choices.jobs.is_empty() && is_same_file(description.path(), &target.file) {
+        return Err(one(would_be_replaced(description.path())));
     }
     if !choices.errors.is_empty() {
         return Err(std::mem::take(&mut choices.errors).into_iter().map(Failure::rejected).collect());
@@ -193,20 +230,18 @@ fn prepare(args: &RobotArgs, input: &Path, configs: &mut Configs) -> Result<Robo
         return Err(one(Failure::usage(unused.message(flag))));
     }
     let unreachable = unreachable(&description, &target, &choices, &places);
-    Ok(Robot { description, target, choices, inline, unreachable, first_job: 0 })
+    let documents = document_paths(&description, &target).map_err(one)?;
+    Ok(Robot { description, target, documents, choices, inline, unreachable, first_job: 0 })
 }
 
 fn failure(error: &RobotError) -> Failure {
     if error.is_unreadable { Failure::usage(error.to_string()) } else { Failure::rejected(error.to_string()) }
 }
 
-/// Bytes of the files of a run so far, and the description that each belongs to.
-type Written = BTreeMap<PathBuf, (Vec<u8>, String)>;
-
 /// Fails if another description of this run has written other bytes to one of these files.
-fn check_clashes(outputs: &[OutputFile], written: &Written, file: &str) -> Result<(), Failure> {
-    for OutputFile { path, bytes } in outputs {
-        if let Some((_, other)) = written.get(path).filter(|(other, _)| other != bytes) {
+fn check_clashes(files: &[OutputFile], outputs: &Outputs, file: &str) -> Result<(), Failure> {
+    for OutputFile { path, bytes } in files {
+        if let Some((_, other)) = outputs.written.get(path).filter(|(other, _)| other != bytes) {
             return Err(Failure::usage(format!(
                 "{}: {other} and {file} would write different files there; write them to separate folders, or name \
                  only the one that contains the other",
@@ -260,13 +295,13 @@ fn finish(
     robot: Robot,
     baked: &[(build_rows::Row, Exit)],
     row: &mut Row,
-    written: &mut Written,
-) -> Result<Exit, Failure> {
+    outputs: &mut Outputs,
+) -> Result<(Exit, Option<OwnHulls>), Failure> {
     row.format = Some(robot.description.format.name());
     row.links = Some(robot.description.links.len());
     row.output = Some(shown(&robot.target.file));
-    remarks(args, &robot, row);
-    let Robot { description, target, choices, inline, .. } = robot;
+    remarks(args, &robot, outputs, row);
+    let Robot { description, target, choices, inline, documents: paths, .. } = robot;
     for (own, _) in baked {
         row.baked += usize::from(own.status == build_rows::Status::Baked);
         // A warning says why a mesh is one hull although parts are wanted.
@@ -279,7 +314,7 @@ fn finish(
     if let Some((own, _)) = inline.iter().zip(states).find(|(_, state)| *state != State::Same) {
         row.status = if target.file.exists() { Status::Stale } else { Status::Missing };
         row.reason = Some(format!("{} is not the mesh in the description", shown(&own.path)));
-        return Ok(Exit::Rejected);
+        return Ok((Exit::Rejected, None));
     }
     let failed: Vec<String> = baked.iter().filter_map(|(own, _)| own.error.clone()).collect();
     if let Some((last, others)) = failed.split_last() {
@@ -291,7 +326,7 @@ fn finish(
     if !stale.is_empty() {
         row.status = if target.file.exists() { Status::Stale } else { Status::Missing };
         row.reason = Some(stale.join("; "));
-        return Ok(Exit::Rejected);
+        return Ok((Exit::Rejected, None));
     }
     let mut meshes = Meshes::new(args.limits.limits());
     let read = choices.hulls.iter().map(|own| read_hulls(&choices.jobs, own, &mut meshes));
@@ -306,13 +341,14 @@ fn finish(
     if args.inertia {
         changes.extend(inertias(&description, &choices, &hulls, row));
     }
-    let (mut outputs, mut page) = (Vec::new(), None);
+    let (mut files, mut page) = (Vec::new(), None);
     if args.exclude_pairs || args.report.is_some() {
         let sampling = Sampling { count: args.samples, seed: args.seed };
         let pairs = Pairs::new(&description, &choices, &hulls, &mut meshes, sampling);
         if args.exclude_pairs {
             changes.push(pairs.change());
-            outputs.extend(exclude(args, &description, &target, &pairs, row)?);
+            files.extend(exclude(args, &description, &target, &pairs, row)?);
+            row.warnings.extend(pairs.unread(&description));
             row.warnings.extend(pairs.filled(&description, &choices, &hulls, &mut meshes));
         }
         if args.report.is_some() {
@@ -322,32 +358,46 @@ fn finish(
         }
     }
     let documents = description.changed(&changes).map_err(|error| failure(&error))?;
-    outputs.extend(hulls.iter_mut().filter(|own| own.fault.is_none()).flat_map(|own| std::mem::take(&mut own.files)));
-    outputs.extend(copies(&description, &target, &documents)?);
-    outputs.extend(described(&description, &target, documents)?);
-    check_inputs(args, &description, &outputs)?;
-    check_clashes(&outputs, written, &row.file)?;
-    let exit = settle(args, &target, &outputs, row)?;
+    files.extend(hulls.iter_mut().filter(|own| own.fault.is_none()).flat_map(|own| std::mem::take(&mut own.files)));
+    files.extend(copies(&description, &target, &documents, &outputs.documents)?);
+    // The description itself is last.
+    files.extend(paths.into_iter().zip(documents).rev().map(|(path, bytes)| OutputFile { path, bytes }));
+    check_inputs(args, &description, &files)?;
+    check_clashes(&files, outputs, &row.file)?;
+    let exit = settle(args, &target, &files, row)?;
     if let Some((file, page)) = args.report.as_ref().zip(page) {
         OutputFile { path: file.clone(), bytes: page.into_bytes() }.write_if_changed()?;
     }
-    warn_of_unused(&description, &target, &outputs, written, row);
-    written.extend(outputs.into_iter().map(|output| (output.path, (output.bytes, row.file.clone()))));
-    Ok(exit)
+    let own_hulls = OwnHulls::new(&description, &target.folder, &target.meshes);
+    outputs.written.extend(files.into_iter().map(|file| (file.path, (file.bytes, row.file.clone()))));
+    Ok((exit, own_hulls))
 }
 
-fn remarks(args: &RobotArgs, robot: &Robot, row: &mut Row) {
+fn remarks(args: &RobotArgs, robot: &Robot, outputs: &Outputs, row: &mut Row) {
     let Robot { description, target, choices, unreachable, .. } = robot;
     row.notes.extend(description.notes.iter().cloned());
     row.notes.extend(links_without_collision(description, choices, args.from_visual));
     row.warnings.extend(description.warnings.iter().cloned());
     row.warnings.extend(description.chain.warnings.iter().map(|own| format!("{}: {own}", row.file)));
     row.warnings.extend(choices.warnings.iter().cloned());
+    row.warnings.extend(models_in_other_files(description, outputs, &row.file));
     if !unreachable.is_empty() {
         let (names, out) = (listed(unreachable.iter().map(|name| format!("`{name}`"))), shown(&target.folder));
         let remedy = "write the output into the package, or tell programs where the package is";
         row.warnings.push(format!("{}: names that lead to no file from {out}: {names}; {remedy}", row.file));
     }
+}
+
+/// Warning about attached and included models that are not inputs of this run.
+fn models_in_other_files(description: &Description, outputs: &Outputs, file: &str) -> Option<String> {
+    let inputs: Vec<PathBuf> = outputs.documents.values().filter_map(|input| input.canonicalize().ok()).collect();
+    let is_input = |path: &PathBuf| inputs.iter().any(|input| input.starts_with(path));
+    let others = description.others.iter().filter(|other| !other.path.as_ref().is_some_and(is_input));
+    let names: Vec<String> = others.map(|other| format!("`{}` (line {})", other.written, other.line)).collect();
+    (!names.is_empty()).then(|| {
+        let names = listed(names.into_iter());
+        format!("{file}: models in other files keep their collisions: {names}; name these files in the same run, too")
+    })
 }
 
 const NAMES_IN_NOTE: usize = 5;
@@ -418,29 +468,6 @@ fn unreachable(description: &Description, target: &Target, choices: &Choices, pl
         |name: &str, file: &Path| places.resolve(name, &target.folder).is_ok_and(|found| is_same_file(&found, file));
     let lost = meshes.into_iter().filter(|(name, file)| target.is_elsewhere() && !is_reached(name, file));
     lost.map(|(name, _)| name.to_owned()).collect()
-}
-
-/// Warns of hulls in the folder of the meshes that no robot of this run uses.
-fn warn_of_unused(
-    description: &Description,
-    target: &Target,
-    outputs: &[OutputFile],
-    written: &Written,
-    row: &mut Row,
-) {
-    let mut used = used(description, outputs);
-    used.extend(written.keys().cloned());
-    let unused = files::left_over(&target.meshes, &used);
-    if !unused.is_empty() && description.mesh_folder(&target.folder).is_none() {
-        let names = listed(unused.iter().map(|path| shown(path)));
-        row.warnings.push(format!("{}: hulls of earlier runs are not in use: {names}; remove them", row.file));
-    }
-}
-
-fn used(description: &Description, outputs: &[OutputFile]) -> BTreeSet<PathBuf> {
-    let meshes = description.links.iter().flat_map(Link::meshes);
-    let meshes = meshes.filter_map(|mesh| mesh.file.as_ref().ok()?.canonicalize().ok());
-    meshes.chain(outputs.iter().map(|output| output.path.clone())).collect()
 }
 
 fn shown(path: &Path) -> String {
@@ -550,7 +577,13 @@ fn inertias(description: &Description, choices: &Choices, hulls: &[Hulls], row: 
     changes
 }
 
-fn copies(description: &Description, target: &Target, documents: &[Vec<u8>]) -> Result<Vec<OutputFile>, Failure> {
+/// Files that the description names by relative paths, but for those that this run edits.
+fn copies(
+    description: &Description,
+    target: &Target,
+    documents: &[Vec<u8>],
+    edited: &BTreeMap<PathBuf, PathBuf>,
+) -> Result<Vec<OutputFile>, Failure> {
     if !target.is_elsewhere() {
         return Ok(Vec::new());
     }
@@ -568,7 +601,8 @@ fn copies(description: &Description, target: &Target, documents: &[Vec<u8>]) -> 
     let mut outputs: BTreeMap<PathBuf, OutputFile> = BTreeMap::new();
     for reference in &description.references {
         let path = plain(&target.folder.join(&reference.path));
-        if outputs.contains_key(&path) || is_document(&reference.file) || !is_named(&reference.written) {
+        let is_edited = edited.get(&path).is_some_and(|document| is_same_file(document, &reference.file));
+        if is_edited || outputs.contains_key(&path) || is_document(&reference.file) || !is_named(&reference.written) {
             continue;
         }
         let bytes = std::fs::read(&reference.file).map_err(|error| {
@@ -579,26 +613,16 @@ fn copies(description: &Description, target: &Target, documents: &[Vec<u8>]) -> 
     Ok(outputs.into_values().collect())
 }
 
-/// The edited files: the files that the description includes, then the description itself.
-fn described(description: &Description, target: &Target, documents: Vec<Vec<u8>>) -> Result<Vec<OutputFile>, Failure> {
-    let mut outputs = Vec::new();
-    for (index, (document, bytes)) in description.documents.iter().zip(documents).enumerate().rev() {
-        let path = if index == 0 {
-            target.file.clone()
-        } else {
-            let file = document.path().canonicalize().unwrap_or_else(|_| document.path().to_owned());
-            let below = relative(&file, &target.source).ok_or_else(|| {
-                Failure::usage(format!("{}: is on another drive; move it to the drive of the model", file.display()))
-            })?;
-            plain(&target.folder.join(below))
-        };
-        outputs.push(OutputFile { path, bytes });
-    }
-    Ok(outputs)
-}
-
-fn is_same_file(a: &Path, b: &Path) -> bool {
-    a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b)
+/// Where the description is written, and then the files that it includes.
+fn document_paths(description: &Description, target: &Target) -> Result<Vec<PathBuf>, Failure> {
+    let included = description.documents.iter().skip(1).map(|document| {
+        let file = document.path().canonicalize().unwrap_or_else(|_| document.path().to_owned());
+        let below = relative(&file, &target.source).ok_or_else(|| {
+            Failure::usage(format!("{}: is on another drive; move it to the drive of the model", file.display()))
+        })?;
+        Ok(plain(&target.folder.join(below)))
+    });
+    std::iter::once(Ok(target.file.clone())).chain(included).collect()
 }
 
 fn would_be_replaced(input: &Path) -> Failure {

@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use hullmap_planning::{Convex, hulls as hulls_of, shape_of_primitive};
 use hullmap_report::robot::{Excluded, Touching};
@@ -23,7 +23,7 @@ const MAX_SHAPES: usize = 10_000;
 /// Maximum length of a list of what is not tested.
 const MAX_SKIPPED: usize = 100_000;
 
-/// Maximum number of pairs in a warning.
+/// Maximum number of pairs or links in a warning.
 const NAMED: usize = 5;
 
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +43,8 @@ pub struct Pairs {
     neutral: Vec<Frame>,
     sampling: Sampling,
     format: Format,
+    /// Links with meshes that cannot be read. That they never touch is unknown.
+    unread: BTreeSet<usize>,
     /// Whether the robot has too many links for a test of all pairs. Then none was tested.
     is_cut: bool,
 }
@@ -65,9 +67,11 @@ impl Pairs {
         });
         let before = Bodies::new(before.collect());
         let after = Bodies::new(after(description, choices, hulls, meshes));
+        let unread = unread(description, choices, hulls, meshes);
         let filter = CollisionFilter::new(description);
+        let has_geometry = |link| before.count(link) + after.count(link) > 0 || unread.contains(&link);
         let is_cut = description.links.len() > MAX_LINKS;
-        let all = if is_cut { Vec::new() } else { filter.pairs(|link| before.count(link) + after.count(link) > 0) };
+        let all = if is_cut { Vec::new() } else { filter.pairs(has_geometry) };
         let tested: Vec<Touching> = all
             .par_iter()
             .map(|&links| {
@@ -78,11 +82,12 @@ impl Pairs {
         let seen = sample(chain, &after, &all, sampling.count, sampling.seed);
         let reason = |(pair, seen): (&Touching, &Seen)| {
             let reason = reason(description.format, pair, *seen)?;
-            Some(Excluded { links: pair.links, reason })
+            let is_known = pair.links.iter().all(|link| !unread.contains(link));
+            (is_known || reason != "Never").then_some(Excluded { links: pair.links, reason })
         };
         let excluded = tested.iter().zip(&seen).filter_map(reason).collect();
         let touching = tested.into_iter().filter(|pair| pair.touches != [false, false]).collect();
-        Self { before, after, touching, excluded, neutral, sampling, format: description.format, is_cut }
+        Self { before, after, touching, excluded, neutral, sampling, format: description.format, unread, is_cut }
     }
 
     pub fn neutral(&self) -> &[Frame] {
@@ -108,6 +113,20 @@ impl Pairs {
 
     pub fn change(&self) -> Change {
         Change::Exclude { pairs: self.excluded.iter().map(|pair| pair.links).collect(), comment: self.in_words() }
+    }
+
+    /// Warning about links that were not tested.
+    pub fn unread(&self, description: &Description) -> Option<String> {
+        let names: Vec<String> =
+            self.unread.iter().map(|link| format!("`{}`", description.links[*link].name)).collect();
+        let (some, more) = named(&names);
+        (!names.is_empty()).then(|| {
+            format!(
+                "{}: links with meshes that cannot be read were not tested: {some}{more}; restore their meshes, or add \
+                 their pairs by hand",
+                description.path().display()
+            )
+        })
     }
 
     /// Warning about pairs of a URDF file that may touch only because a hull fills a concavity.
@@ -136,8 +155,7 @@ impl Pairs {
             .filter(|pair| pair.links.iter().any(|link| is_filled[*link]))
             .map(|pair| pair.links.map(|link| description.links[link].name.as_str()).join("-"))
             .collect();
-        let some = pairs.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
-        let more = if pairs.len() > NAMED { ", …" } else { "" };
+        let (some, more) = named(&pairs);
         (!pairs.is_empty()).then(|| {
             format!(
                 "{}: pairs are excluded because hulls touch, which fill concavities of their meshes: {some}{more}; their \
@@ -186,6 +204,28 @@ fn reason(format: Format, pair: &Touching, seen: Seen) -> Option<&'static str> {
         Format::Urdf | Format::Sdf if seen == (Seen { together: false, apart: true }) => Some("Never"),
         _ => None,
     }
+}
+
+fn named(names: &[String]) -> (String, &'static str) {
+    let some = names.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
+    (some, if names.len() > NAMED { ", …" } else { "" })
+}
+
+fn unread(description: &Description, choices: &Choices, hulls: &[Hulls], meshes: &mut Meshes) -> BTreeSet<usize> {
+    let mut unread = BTreeSet::new();
+    for own in &choices.shapes {
+        let is_baked = match own.choice {
+            Choice::Removed | Choice::Primitive => true,
+            Choice::Hulls(at) => hulls[at].fault.is_none(),
+            Choice::Kept(_) => false,
+        };
+        if let (false, Geometry::Mesh(mesh)) = (is_baked, &choices.shape(own, description).geometry)
+            && meshes.get(mesh).is_none_or(|mesh| mesh.hull().is_err())
+        {
+            unread.insert(own.link);
+        }
+    }
+    unread
 }
 
 fn after(description: &Description, choices: &Choices, hulls: &[Hulls], meshes: &mut Meshes) -> Vec<Vec<Piece>> {

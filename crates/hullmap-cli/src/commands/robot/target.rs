@@ -25,16 +25,23 @@ impl Target {
     ///
     /// In another folder than the input's, files that it names by relative paths are copied. If
     /// such a path climbs, the folders above the description are kept, so that nothing is written
-    /// outside of `--out`.
-    pub fn new(args: &RobotArgs, description: &Description) -> Result<Self, Failure> {
+    /// outside of `--out`. A description that another one of the run attaches has its place there.
+    pub fn new(args: &RobotArgs, description: &Description, all: &[&Description]) -> Result<Self, Failure> {
+        let is_named = |own: &Description| all.iter().any(|other| place_in(other, own).is_some());
+        let namer =
+            all.iter().filter(|other| !is_named(other)).find_map(|other| Some((other, place_in(other, description)?)));
+        let Some((namer, place)) = namer else { return Self::alone(args, description) };
+        let input = folder_of(description.path());
+        let source = input.canonicalize().map_err(|error| undetermined(input, &error))?;
+        Ok(Self::of(description, plain(&Self::alone(args, namer)?.folder.join(place)), source))
+    }
+
+    fn alone(args: &RobotArgs, description: &Description) -> Result<Self, Failure> {
         let input = description.path();
-        let fail = |path: &Path, error: &dyn std::fmt::Display| {
-            Failure::usage(format!("{}: cannot determine this path: {error}; check the path", path.display()))
-        };
-        let source = folder_of(input).canonicalize().map_err(|error| fail(input, &error))?;
+        let source = folder_of(input).canonicalize().map_err(|error| undetermined(input, &error))?;
         let out = if is_file(args) { folder_of(&args.out).to_owned() } else { args.out.clone() };
-        let out = canonical_of_gone(&out).ok_or_else(|| fail(&out, &"a folder above it cannot be read"))?;
-        let out = std::path::absolute(&out).map(|out| plain(&out)).map_err(|error| fail(&out, &error))?;
+        let out = canonical_of_gone(&out).ok_or_else(|| undetermined(&out, &"a folder above it cannot be read"))?;
+        let out = std::path::absolute(&out).map(|out| plain(&out)).map_err(|error| undetermined(&out, &error))?;
         let name = if is_file(args) { args.out.file_name() } else { input.file_name() }.unwrap_or_default();
         let climbs = |path: &Path| path.components().take_while(|part| *part == Component::ParentDir).count();
         let up = description.references.iter().map(|reference| climbs(&reference.path)).max().unwrap_or_default();
@@ -53,16 +60,35 @@ impl Target {
             let kept: Vec<Component> = source.components().rev().take(up).collect();
             folder.extend(kept.into_iter().rev());
         }
-        let mut beside = Path::new(name).file_stem().unwrap_or_default().to_owned();
+        Ok(Self::of(description, folder.join(name), source))
+    }
+
+    fn of(description: &Description, file: PathBuf, source: PathBuf) -> Self {
+        let folder = folder_of(&file).to_owned();
+        let mut beside = file.file_stem().unwrap_or_default().to_owned();
         beside.push("_collision");
         let meshes = description.mesh_folder(&folder).unwrap_or_else(|| folder.join(beside));
-        Ok(Self { file: folder.join(name), meshes: plain(&meshes), folder, source })
+        Self { file, meshes: plain(&meshes), folder, source }
     }
 
     /// Whether files that the description names by relative paths are elsewhere.
     pub fn is_elsewhere(&self) -> bool {
         self.folder != self.source
     }
+}
+
+/// The path from a description's folder to another description, if it names that one.
+fn place_in<'d>(namer: &'d Description, other: &Description) -> Option<&'d Path> {
+    let is_other = |file: &Path| is_same_file(file, other.path()) && !is_same_file(file, namer.path());
+    namer.references.iter().find(|own| is_other(&own.file)).map(|own| &*own.path)
+}
+
+fn undetermined(path: &Path, error: &dyn std::fmt::Display) -> Failure {
+    Failure::usage(format!("{}: cannot determine this path: {error}; check the path", path.display()))
+}
+
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
+    a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b)
 }
 
 pub fn is_file(args: &RobotArgs) -> bool {
