@@ -302,14 +302,7 @@ fn finish(
     row.output = Some(shown(&robot.target.file));
     remarks(args, &robot, outputs, row);
     let Robot { description, target, choices, inline, documents: paths, .. } = robot;
-    for (own, _) in baked {
-        row.baked += usize::from(own.status == build_rows::Status::Baked);
-        // A warning says why a mesh is one hull although parts are wanted.
-        let is_news = |note: &&String| args.options.0.get("decompose").is_none() || !note.ends_with("use --decompose");
-        let notes = own.notes.iter().filter(is_news);
-        row.notes.extend(notes.map(|note| format!("{}: {note}", shown(Path::new(&own.source)))));
-        row.warnings.extend(own.warnings.iter().map(|warning| format!("{}: {warning}", shown(Path::new(&own.source)))));
-    }
+    remarks_of_bakes(args, baked, row);
     let states: Vec<State> = inline.iter().map(OutputFile::state).collect::<Result<_, _>>()?;
     if let Some((own, _)) = inline.iter().zip(states).find(|(_, state)| *state != State::Same) {
         row.status = if target.file.exists() { Status::Stale } else { Status::Missing };
@@ -371,6 +364,17 @@ fn finish(
     let own_hulls = OwnHulls::new(&description, &target.folder, &target.meshes);
     outputs.written.extend(files.into_iter().map(|file| (file.path, (file.bytes, row.file.clone()))));
     Ok((exit, own_hulls))
+}
+
+fn remarks_of_bakes(args: &RobotArgs, baked: &[(build_rows::Row, Exit)], row: &mut Row) {
+    for (own, _) in baked {
+        row.baked += usize::from(own.status == build_rows::Status::Baked);
+        // A warning says why a mesh is one hull although parts are wanted.
+        let is_news = |note: &&String| args.options.0.get("decompose").is_none() || !note.ends_with("use --decompose");
+        let notes = own.notes.iter().filter(is_news);
+        row.notes.extend(notes.map(|note| format!("{}: {note}", shown(Path::new(&own.source)))));
+        row.warnings.extend(own.warnings.iter().map(|warning| format!("{}: {warning}", shown(Path::new(&own.source)))));
+    }
 }
 
 fn remarks(args: &RobotArgs, robot: &Robot, outputs: &Outputs, row: &mut Row) {
