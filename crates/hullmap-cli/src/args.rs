@@ -368,7 +368,7 @@ pub struct StatusArgs {
 
 #[derive(Debug, clap::Args)]
 pub struct InspectArgs {
-    /// Baked files, or folders to search for them
+    /// Baked files, or folders of them [default: `output` of hullmap.toml]
     #[arg(required = true, value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
     /// Also print vertex positions and faces
@@ -491,7 +491,9 @@ pub struct QueryArgs {
 
 #[derive(Debug, clap::Args)]
 pub struct ReportArgs {
-    /// A pack; or a folder of packs, for an overview and a page per pack
+    /// A pack, or a folder of packs [default: `output` of hullmap.toml]
+    ///
+    /// A folder gets an overview and a page per pack
     #[arg(value_name = "FILE|DIR")]
     pub input: PathBuf,
     /// HTML file to write, without need of a network; of a folder, the pages of its packs go to a

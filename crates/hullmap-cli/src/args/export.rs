@@ -10,7 +10,7 @@ use crate::scene::colliders::Draft;
 
 #[derive(Debug, clap::Args)]
 pub struct ExportArgs {
-    /// Baked files, or folders to search for them
+    /// Baked files, or folders of them [default: `output` of hullmap.toml]
     #[arg(required = true, value_name = "FILE|DIR")]
     pub packs: Vec<PathBuf>,
     /// File to write, or folder [default: standard output]

@@ -1,4 +1,4 @@
-//! A build without arguments: the nearest `hullmap.toml` names the meshes and the folder of packs.
+//! A command without arguments: the nearest `hullmap.toml` names the meshes and the folder of packs.
 //! A build of some of its meshes is a part of the whole build: packs have the same names and
 //! places.
 
@@ -30,12 +30,15 @@ pub fn completed(words: &[OsString], error: &clap::Error, command: Command) -> R
     };
     let is_missing = |own: &str| missing.iter().any(|name| name.starts_with(own));
     let Some(given) = optional(command).try_get_matches_from(words).ok().map(innermost) else { return Ok(None) };
-    // Only commands that search for meshes.
-    if given.try_get_one::<bool>("no_ignore").ok().flatten().is_none() {
+    // Only commands that search for meshes or for packs.
+    let reads_packs = is_missing("<FILE|DIR>");
+    if !reads_packs && given.try_get_one::<bool>("no_ignore").ok().flatten().is_none() {
         return Ok(None);
     }
-    let mut configs = Configs::new(given.get_one::<PathBuf>("config").map(PathBuf::as_path))?;
-    let inputs: Vec<PathBuf> = given.get_many::<PathBuf>("inputs").unwrap_or_default().cloned().collect();
+    let named = given.try_get_one::<PathBuf>("config").ok().flatten();
+    let mut configs = Configs::new(named.map(PathBuf::as_path))?;
+    let inputs = given.try_get_many::<PathBuf>("inputs").ok().flatten();
+    let inputs: Vec<PathBuf> = inputs.unwrap_or_default().cloned().collect();
     let folder = |input: &PathBuf| if input.is_dir() { input.clone() } else { folder_of(input).to_owned() };
     let mut folders: Vec<PathBuf> = inputs.iter().map(folder).collect();
     if folders.is_empty() {
@@ -48,6 +51,11 @@ pub fn completed(words: &[OsString], error: &clap::Error, command: Command) -> R
         return Ok(None);
     }
     let (mut words, sources) = (words.to_vec(), config.sources());
+    if reads_packs {
+        let Some(output) = config.output()? else { return Ok(None) };
+        push_last(&mut words, output.into());
+        return Ok(Some(Completed { words, sources: None }));
+    }
     if is_missing("--out ") {
         let Some(output) = config.output()? else { return Ok(None) };
         let mut out = OsString::from("--out=");
@@ -56,13 +64,18 @@ pub fn completed(words: &[OsString], error: &clap::Error, command: Command) -> R
         words.insert(end, out);
     }
     if is_missing("<INPUT>") {
-        if !words.iter().any(|word| word == "--") {
-            words.push("--".into());
-        }
-        words.extend(sources.iter().map(OsString::from));
+        sources.iter().for_each(|source| push_last(&mut words, source.into()));
     }
     let is_part = !inputs.is_empty() && is_missing("--out ") && inputs.iter().all(|input| is_of(input, &sources));
     Ok(Some(Completed { words, sources: is_part.then_some(sources) }))
+}
+
+/// Adds a word that is no flag.
+fn push_last(words: &mut Vec<OsString>, word: OsString) {
+    if !words.iter().any(|word| word == "--") {
+        words.push("--".into());
+    }
+    words.push(word);
 }
 
 /// The nearest file with an output; the nearest file if none has one.

@@ -10,7 +10,7 @@ use hullmap_pipeline::content::DEFAULT_DIRECTIONS;
 
 #[derive(Debug, clap::Args)]
 pub struct VerifyArgs {
-    /// Packs, or folders to search for them
+    /// Packs, or folders to search for them [default: `output` of hullmap.toml]
     #[arg(required = true, value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
     /// The source mesh, or a folder of meshes [default: beside the pack, then the recorded path]
