@@ -21,7 +21,7 @@ pub enum CheckError {
     TooShort { found: usize, expected: usize },
     /// The payload starts at an address that is not a multiple of
     /// [`PAYLOAD_ALIGNMENT`](crate::sections::PAYLOAD_ALIGNMENT).
-    #[error("the archive is not aligned to 64 bytes in memory; copy it to an aligned buffer")]
+    #[error("the bytes are not aligned to 64 bytes in memory; copy them to an aligned buffer")]
     Misaligned,
     /// A section does not start at the position to which this version writes it.
     #[error("section {section} starts at byte {found} of the archive instead of {expected}; bake the source again")]

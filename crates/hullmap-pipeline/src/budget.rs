@@ -19,6 +19,8 @@ pub struct Budget {
     aspect: Option<f64>,
     /// Minimum thickness in metres.
     thickness: Option<f64>,
+    /// Whether a flat hull is a shape of the engine.
+    pub takes_flat: bool,
     /// Consequence of exceeding the limits, for messages.
     otherwise: &'static str,
     pub source: &'static str,
@@ -33,6 +35,7 @@ const ANY: Budget = Budget {
     face_vertices: None,
     aspect: None,
     thickness: None,
+    takes_flat: false,
     otherwise: "",
     source: "",
 };
@@ -62,6 +65,7 @@ pub static BUDGETS: [Budget; 8] = [
         name: "jolt",
         vertices: 256,
         thickness: Some(1e-3),
+        takes_flat: true,
         otherwise: "Jolt drops vertices",
         source: "Jolt: ConvexHullShape.h, cMaxPointsInHull and mHullTolerance",
         ..ANY

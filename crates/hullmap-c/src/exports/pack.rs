@@ -60,6 +60,9 @@ pub(super) fn native(path: &CStr) -> Fallible<PathBuf> {
     path.to_str().map(PathBuf::from).map_err(|error| Failure::argument("path", error))
 }
 
+/// Alignment of bytes that are used in place.
+const ALIGNMENT: usize = 64;
+
 fn check_flags(flags: u32, known: u32) -> Fallible<()> {
     let unknown = flags & !known;
     if unknown == 0 {
@@ -87,6 +90,10 @@ pub unsafe extern "C" fn hullmap_pack_from_memory(
         // Without it, nothing keeps a reference to them after this call.
         let (out, bytes) = unsafe { (Out::of_handle("pack", pack)?, border::array("bytes", bytes, length)?) };
         check_flags(flags, OPEN_BORROW | OPEN_SKIP_CONTENTS)?;
+        if flags & OPEN_BORROW != 0 && !bytes.as_ptr().addr().is_multiple_of(ALIGNMENT) {
+            let message = format_args!("they are not aligned to {ALIGNMENT} bytes; align them, or do not borrow them");
+            return Err(Failure::argument("bytes", message));
+        }
         let opened = match (flags & OPEN_BORROW != 0, flags & OPEN_SKIP_CONTENTS != 0) {
             (false, false) => hullmap::Pack::from_bytes(bytes),
             (false, true) => hullmap::Pack::from_bytes_skipping_contents(bytes),

@@ -78,9 +78,10 @@ pub fn with_tip(error: clap::Error, command: &clap::Command) -> clap::Error {
             let engine = context(ContextKind::InvalidValue);
             match (Target::from_str(&engine, false), budget(&engine)) {
                 (Ok(_), _) => Some(format!("{engine} has no limits; `bake export --for {engine}` writes its files")),
-                (_, Some(_)) => {
-                    Some(format!("{engine} has no files of its own; `bake build --for {engine}` meets its limits"))
-                }
+                (_, Some(_)) => Some(format!(
+                    "{engine} has no files of its own; `bake build --for {engine}` meets its limits, and programs \
+                         read the pack (docs/engines.md)"
+                )),
                 _ => None,
             }
         }

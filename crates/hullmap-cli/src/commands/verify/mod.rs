@@ -8,6 +8,7 @@ use hullmap::{Asset, Pack};
 use hullmap_geometry::number::{percent, short};
 
 use crate::args::verify::VerifyArgs;
+use crate::rows::Notes;
 use crate::table::{Align, Table, or_dash};
 use crate::terminal::{self, Output};
 use hullmap_geometry::number::grouped;
@@ -32,8 +33,9 @@ pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
     let places = find_packs(&args.inputs)?;
     let sources = given_sources(args.source.as_deref(), &places)?;
     let folders = Folders::default();
+    let mut remarks: Vec<(String, Vec<String>)> = Vec::new();
     for (place, given) in places.iter().zip(sources) {
-        match verify_file(place, given, args, &folders) {
+        match verify_file(place, given, args, &folders, &mut remarks) {
             Ok(verified) => {
                 exit = exit.max(if verified.verdict().is_some() { Exit::Rejected } else { Exit::Done });
                 match verified {
@@ -57,6 +59,8 @@ pub fn run(args: &VerifyArgs, out: &mut Output) -> Result<Exit, Failure> {
             out.flush()?;
         }
     }
+    let mut notes = Notes::new(remarks.iter().map(|(file, notes)| (&**file, &**notes)), args.verbose);
+    remarks.iter().for_each(|(file, own)| notes.print(file, own));
     if args.json {
         return Ok(exit);
     }
@@ -74,10 +78,11 @@ fn verify_file(
     given: Option<&Path>,
     args: &VerifyArgs,
     folders: &Folders,
+    remarks: &mut Vec<(String, Vec<String>)>,
 ) -> Result<Verified, Failure> {
     let asset = open_asset(&place.path)?;
     let file = place.path.display().to_string();
-    let source = source_of(place, &asset, given, args, folders)?;
+    let source = source_of(place, &asset, given, args, folders, remarks)?;
     let shown = source.as_ref().map(|source| source.path.display().to_string());
     let content = source.as_ref().map(|source| &source.content);
     let mut verified = verify(&asset, content, args.directions, args.seed)
@@ -97,13 +102,14 @@ fn verify_file(
     Ok(verified)
 }
 
-/// Source of a file. Without one, prints a note, or fails if `--require-source` is given.
+/// Source of a file. Without one, adds a note, or fails if `--require-source` is given.
 fn source_of(
     place: &PackPlace,
     asset: &Asset,
     given: Option<&Path>,
     args: &VerifyArgs,
     folders: &Folders,
+    remarks: &mut Vec<(String, Vec<String>)>,
 ) -> Result<Option<Source>, Failure> {
     let file = place.path.display();
     match find_source(place, Recorded::from_asset(asset), given, &args.limits.limits(), folders)? {
@@ -121,7 +127,8 @@ fn source_of(
                 Asset::TriangleMesh(_) => "the stored triangles",
                 Asset::HeightField(_) => "the stored heights",
             };
-            terminal::note(format_args!("{file}: {why}; compared with {stored} only (name the source with --source)"));
+            let note = format!("{why}; compared with {stored} only; name the source with --source");
+            remarks.push((file.to_string(), vec![note]));
             Ok(None)
         }
     }
@@ -133,10 +140,10 @@ fn judge_budget(name: &str, pack: &Pack, results: &mut [HullVerification]) {
     };
     for (hull, result) in pack.hulls().zip(results) {
         let figures = Figures::new(&positions(&hull), &polygons(&hull), hull.centroid());
-        let exceeded = if hull.rank() < 3 {
-            vec![format!("not within the budget of {name}: it is flat, and engines take solids")]
-        } else {
-            budget.exceeded(&figures)
+        let exceeded = match (hull.rank() < 3, budget.takes_flat) {
+            (false, _) => budget.exceeded(&figures),
+            (true, true) => budget.exceeded(&Figures { thickness: f64::INFINITY, ..figures }),
+            (true, false) => vec![format!("not within the budget of {name}: it is flat, and the engine takes solids")],
         };
         result.pass &= exceeded.is_empty();
         result.problems.extend(exceeded.iter().cloned());
