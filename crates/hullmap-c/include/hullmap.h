@@ -192,8 +192,7 @@ enum HullmapOverlap
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    // They share no point: a separating plane proves it. Its number is 0, so in C, any other
-    // status is a hit.
+    // They share no point: a separating plane proves it. Any other status counts as a hit.
     HULLMAP_OVERLAP_SEPARATED = 0,
     // Their interiors share points.
     HULLMAP_OVERLAP_OVERLAPPING = 1,

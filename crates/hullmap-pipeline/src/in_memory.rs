@@ -9,6 +9,7 @@ use hullmap_bake::progress::Stage;
 use hullmap_import::{self as import, ImportError, Imported, Limits, MeshArrays, ReadError, SourceFile};
 
 use crate::baker::{BakedPack, bake_pack};
+use crate::config::most_similar;
 use crate::options::removed::instead_of_option;
 use crate::options::table::{BuildOption, OPTIONS, Record, Scope, named};
 use crate::options::{BuildOptions, OptionLayer};
@@ -219,7 +220,10 @@ fn resolve_of(kind: Kind, options: &[(&str, &str)]) -> Result<BuildOptions, InMe
     for (key, value) in options {
         if !accepted().any(|known| known == *key) {
             let known: Vec<&str> = accepted().collect();
-            let unknown = || format!("unknown option {key}: the options are {}", known.join(", "));
+            let unknown = || match most_similar(key, &known) {
+                Some(near) => format!("unknown option {key}; did you mean {near}?"),
+                None => format!("unknown option {key}: the options are {}", known.join(", ")),
+            };
             let instead = instead_of_option(key).or((*key == "keep_triangles").then_some(NO_PACK));
             let instead = instead.map(|instead| format!("option {key}: {instead}"));
             return Err(InMemoryError::Option(instead.unwrap_or_else(unknown)));
@@ -233,7 +237,12 @@ fn resolve_of(kind: Kind, options: &[(&str, &str)]) -> Result<BuildOptions, InMe
     }
     let resolved = layer.resolve();
     match layer.clash().or_else(|| layer.without_effect(std::iter::once(&resolved))) {
-        Some(clash) => Err(InMemoryError::Option(clash.message(str::to_owned))),
+        Some(clash) => {
+            let of_triangles = "with keep_triangles, which writes no hulls; remove one of them";
+            let message =
+                clash.message(str::to_owned).replace(of_triangles, "on a level, which has no hulls; remove it");
+            Err(InMemoryError::Option(message))
+        }
         None => Ok(resolved),
     }
 }
@@ -245,7 +254,10 @@ mod tests {
     #[test]
     fn wrong_options_are_rejected() {
         let error = |options: &[(&str, &str)]| resolve(options).unwrap_err().to_string();
-        assert!(error(&[("indx", "tree")]).starts_with("unknown option indx: the options are split, vertices, index"));
+        assert!(error(&[("oak", "1")]).starts_with("unknown option oak: the options are split, vertices, index"));
+        assert_eq!(error(&[("maxparts", "1")]), "unknown option maxparts; did you mean max_parts?");
+        let on_level = resolve_of(Kind::Triangles, &[("lean", "true")]).unwrap_err().to_string();
+        assert_eq!(on_level, "lean has no effect on a level, which has no hulls; remove it");
         for key in ["pack_names", "terrain", "spacing"] {
             assert!(error(&[(key, "1")]).starts_with(&format!("unknown option {key}: ")), "{key}");
         }

@@ -16,7 +16,7 @@ class MotionSection {
   constructor({ get, digits, move }) {
     Object.assign(this, { get, digits, found: null, start: null, end: null, pair: null });
     this.slider = get("time");
-    const go = () => this.start && move([...wasm_bindgen.poseBetween(this.start, this.end, this.slider.valueAsNumber)]);
+    const go = () => this.start && move([...wasm_bindgen.interpolatePoses(this.start, this.end, this.slider.valueAsNumber)]);
     this.slider.addEventListener("input", go);
     get("to-contact").addEventListener("click", () => {
       // Up to the lower bound, so that the bodies are still apart.
@@ -66,7 +66,7 @@ class MotionSection {
   draw(view, shape, size, { ghost, colour }) {
     const { found } = this;
     if (!found || !found.hit) return;
-    const model = matrixOf(wasm_bindgen.poseBetween(this.start, this.end, found.tLower));
+    const model = matrixOf(wasm_bindgen.interpolatePoses(this.start, this.end, found.tLower));
     view.edges(shape, { model, colour: ghost, opacity: 0.25 });
     const near = { colour, forward: 1 }, from = [...found.pointA];
     view.loose("lines", [from, plus(from, found.normal, 2 * size)], near);

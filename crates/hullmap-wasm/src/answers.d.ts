@@ -32,10 +32,7 @@ export type Status =
 
 /** Whether two shapes share a point. */
 export type Overlap =
-    /**
-     * They share no point: a separating plane proves it. Its number is 0, so in C, any other status
-     * is a hit.
-     */
+    /** They share no point: a separating plane proves it. Any other status counts as a hit. */
     | "separated"
     /** Their interiors share points. */
     | "overlapping"

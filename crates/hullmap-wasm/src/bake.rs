@@ -9,8 +9,21 @@ use hullmap_pipeline::{BakedPack, InMemoryError, Progress, bake_arrays, bake_sou
 use js_sys::{Function, JSON};
 use wasm_bindgen::prelude::*;
 
-use crate::input::{bytes_of, error, rows_of};
+use crate::input::{bytes_of, error, rows_of, text_of};
 use crate::options::{BakeOptions, Options, in_javascript};
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** The part of a `BufferAttribute` or an `InterleavedBufferAttribute` of three.js that is read. */
+export interface Attribute {
+    readonly count: number;
+    /** 3 for positions, 1 for indices. */
+    readonly itemSize: number;
+    getX(index: number): number;
+    getY(index: number): number;
+    getZ(index: number): number;
+}
+"#;
 
 /// A baked mesh: the pack, the mesh to draw, and the findings of the import and the bake.
 #[wasm_bindgen]
@@ -24,7 +37,7 @@ pub struct Baked {
 #[wasm_bindgen]
 impl Baked {
     /// Bytes of the pack, to open or to save as a `.hullmap` file.
-    #[wasm_bindgen(getter)]
+    #[wasm_bindgen(getter, unchecked_return_type = "Bytes")]
     pub fn pack(&self) -> Vec<u8> {
         self.pack.bytes.clone()
     }
@@ -68,7 +81,7 @@ impl Baked {
 /// and the remedy.
 #[wasm_bindgen]
 pub fn bake(
-    file: &str,
+    #[wasm_bindgen(unchecked_param_type = "string")] file: &JsValue,
     #[wasm_bindgen(unchecked_param_type = "Uint8Array | ArrayBuffer")] bytes: &JsValue,
     #[wasm_bindgen(unchecked_optional_param_type = "BakeOptions | null")] options: Option<BakeOptions>,
     #[wasm_bindgen(js_name = onProgress, unchecked_optional_param_type = "OnProgress | null")] listener: Option<
@@ -80,24 +93,27 @@ pub fn bake(
         return Err(error("option name: the hulls of a file have its names; leave out the option"));
     }
     let progress = progress_for(listener);
-    baked(bake_source(Path::new(file), &SourceFile::alone(bytes_of(bytes)?), &options.pairs(), progress.whole()))
+    let (file, source) = source_of(file, bytes)?;
+    baked(bake_source(Path::new(&file), &source, &options.pairs(), progress.whole()))
 }
 
-/// Bakes a mesh from arrays, for instance of a geometry of three.js.
+/// Bakes a mesh from arrays, or from the attributes of a geometry of three.js, for instance
+/// `bakeMesh(geometry.attributes.position, geometry.index)`. Pass attributes themselves: their
+/// arrays may be normalised, or interleave normals.
 ///
 /// `positions` has three numbers for each vertex; they are rounded to 32-bit floats once. `indices`
 /// has three indices of vertices for each triangle. Without it, the mesh is a point cloud, which
-/// cannot be decomposed: of a geometry of three.js without an index, pass 0, 1, 2 and so on. The
-/// option `name` is the name of the hull, "mesh" by default. `onProgress` is described at `bake`.
+/// cannot be decomposed: of a geometry without an index, pass 0, 1, 2 and so on. The option `name`
+/// is the name of the hull, "mesh" by default. `onProgress` is described at `bake`.
 ///
 /// # Errors
 /// An array or an option is wrong, or a hull cannot be built. The message names the fault and the
 /// remedy.
 #[wasm_bindgen(js_name = bakeMesh)]
 pub fn bake_mesh(
-    #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] positions: &[f64],
+    #[wasm_bindgen(unchecked_param_type = "ArrayLike<number> | Attribute")] positions: &[f64],
     // As f64, because a typed array of u32 would make an index out of −1, 0.5 or NaN.
-    #[wasm_bindgen(unchecked_optional_param_type = "ArrayLike<number> | null")] indices: Option<Vec<f64>>,
+    #[wasm_bindgen(unchecked_optional_param_type = "ArrayLike<number> | Attribute | null")] indices: Option<Vec<f64>>,
     #[wasm_bindgen(unchecked_optional_param_type = "BakeOptions | null")] options: Option<BakeOptions>,
     #[wasm_bindgen(js_name = onProgress, unchecked_optional_param_type = "OnProgress | null")] listener: Option<
         Function,
@@ -122,7 +138,7 @@ pub struct BakedLevel(BakedTriangles);
 #[wasm_bindgen]
 impl BakedLevel {
     /// Bytes of the level, to open as a `Level` or to save as a `.hullmesh` file.
-    #[wasm_bindgen(getter)]
+    #[wasm_bindgen(getter, unchecked_return_type = "Bytes")]
     pub fn bytes(&self) -> Vec<u8> {
         self.0.bytes.clone()
     }
@@ -149,13 +165,14 @@ impl BakedLevel {
 /// An option is wrong, the file is faulty, or it has no triangles.
 #[wasm_bindgen(js_name = bakeLevel)]
 pub fn bake_level(
-    file: &str,
+    #[wasm_bindgen(unchecked_param_type = "string")] file: &JsValue,
     #[wasm_bindgen(unchecked_param_type = "Uint8Array | ArrayBuffer")] bytes: &JsValue,
     #[wasm_bindgen(unchecked_optional_param_type = "Pick<BakeOptions, 'unitScale' | 'upAxis' | 'recentre'> | null")]
     options: Option<BakeOptions>,
 ) -> Result<BakedLevel, JsError> {
     let options = Options::read(options.as_ref())?;
-    let baked = hullmap_pipeline::bake_level(Path::new(file), &SourceFile::alone(bytes_of(bytes)?), &options.pairs());
+    let (file, source) = source_of(file, bytes)?;
+    let baked = hullmap_pipeline::bake_level(Path::new(&file), &source, &options.pairs());
     baked.map(BakedLevel).map_err(fault)
 }
 
@@ -166,11 +183,21 @@ pub fn bake_level(
 /// # Errors
 /// The bytes are not a pack, or it has no such hull.
 #[wasm_bindgen(js_name = gaussMap)]
-pub fn gauss_map(pack: &[u8], hull: usize, resolution: u32) -> Result<JsValue, JsError> {
-    let pack = hullmap::Pack::from_bytes(pack).map_err(error)?;
+pub fn gauss_map(
+    #[wasm_bindgen(unchecked_param_type = "Uint8Array | ArrayBuffer")] pack: &JsValue,
+    hull: usize,
+    resolution: u32,
+) -> Result<JsValue, JsError> {
+    let pack = hullmap::Pack::from_bytes(&bytes_of(pack)?).map_err(error)?;
     let text = hullmap_report::gauss_map_json(&pack, hull, resolution);
     let text = text.ok_or_else(|| error(format!("there is no hull {hull}: the pack has {}", pack.hull_count())))?;
     JSON::parse(&text).map_err(|_| error("internal error: invalid JSON; please report it"))
+}
+
+/// The name of a mesh file and its contents.
+fn source_of(file: &JsValue, bytes: &JsValue) -> Result<(String, SourceFile), JsError> {
+    let file = text_of(file, "the name of a mesh file, such as \"rock.obj\", and then its bytes")?;
+    Ok((file, SourceFile::alone(bytes_of(bytes)?)))
 }
 
 /// A progress that calls a listener.

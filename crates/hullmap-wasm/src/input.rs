@@ -1,7 +1,13 @@
-//! Arrays from JavaScript, and the errors about them.
+//! Arrays and strings from JavaScript, and the errors about them.
 
 use js_sys::{Reflect, Uint8Array};
-use wasm_bindgen::{JsError, JsValue};
+use wasm_bindgen::prelude::*;
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** `Uint8Array<ArrayBuffer>`, in a form that TypeScript before 5.7 also accepts. */
+export type Bytes = ReturnType<typeof Uint8Array.of>;
+"#;
 
 /// The bytes of a `Uint8Array` or an `ArrayBuffer`, also of another realm.
 ///
@@ -15,6 +21,14 @@ pub fn bytes_of(value: &JsValue) -> Result<Vec<u8>, JsError> {
     }
 }
 
+/// A string.
+///
+/// # Errors
+/// Anything else.
+pub fn text_of(value: &JsValue, expected: &str) -> Result<String, JsError> {
+    value.as_string().ok_or_else(|| error(format!("expected {expected}")))
+}
+
 /// The rows of an array that has three numbers each.
 ///
 /// # Errors
@@ -24,12 +38,6 @@ pub fn rows_of<'n, T>(name: &str, numbers: &'n [T]) -> Result<&'n [[T; 3]], JsEr
         (rows, []) => Ok(rows),
         _ => Err(error(format!("{name} must have three numbers each, found {} in all", numbers.len()))),
     }
-}
-
-/// The error about a file that cannot be opened, with the classes of JavaScript.
-pub fn wrong_kind(fault: impl std::fmt::Display) -> JsError {
-    let rust = "open it as one, or any kind with `Asset::open`";
-    error(fault.to_string().replace(rust, "new Pack opens packs, new Level triangle meshes and height fields"))
 }
 
 /// An error with a message.

@@ -8,8 +8,9 @@ use hullmap::{Cache, CastSettings, EdgeClass, HeightField, Motion, SharedGeometr
 use js_sys::{Float64Array, Uint32Array};
 use wasm_bindgen::prelude::*;
 
-use crate::input::{bytes_of, error, wrong_kind};
+use crate::input::{bytes_of, error};
 use crate::object::{Plain, vector_from};
+use crate::pack::wrong_kind;
 use crate::pair::{pose_of, query};
 use crate::shape::{Body, Shape, geometry_of};
 
@@ -101,7 +102,7 @@ impl Level {
     }
 
     /// The bytes of the file, to save or to open again.
-    #[wasm_bindgen(getter)]
+    #[wasm_bindgen(getter, unchecked_return_type = "Bytes")]
     pub fn bytes(&self) -> Vec<u8> {
         match &self.sheet {
             SharedSheet::Mesh(mesh) => mesh.bytes().to_vec(),

@@ -14,7 +14,7 @@
 //! | `pair` | `queries` | queries on two bodies |
 //! | `motion` | `queries` | two bodies of which one moves and turns |
 //! | `object` | `queries` | answers as plain JavaScript objects |
-//! | `input` | both | arrays from JavaScript, and the errors about them |
+//! | `input` | both | arrays and strings from JavaScript, and the errors about them |
 
 #![forbid(unsafe_code)]
 #![deny(clippy::print_stdout, clippy::print_stderr)]

@@ -24,22 +24,40 @@ fn motion_between(start: &[f64], end: &[f64]) -> Result<RigidMotion, JsError> {
 /// straight line, and the rotation is interpolated by slerp, the shorter way.
 ///
 /// # Errors
-/// A pose is not seven finite numbers.
-#[wasm_bindgen(js_name = poseBetween)]
-pub fn pose_between(
+/// A pose is not seven finite numbers, or `t` is NaN.
+#[wasm_bindgen(js_name = interpolatePoses)]
+pub fn interpolate_poses(
     #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] start: &[f64],
     #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>")] end: &[f64],
     t: f64,
 ) -> Result<Float64Array, JsError> {
-    let pose = motion_between(start, end)?.pose_at(t);
+    if t.is_nan() {
+        return Err(error("t: expected a number from 0 to 1"));
+    }
+    Ok(numbers_of(motion_between(start, end)?.pose_at(t)))
+}
+
+/// The pose of B in A's frame, which queries take, from the poses of A and of B in the world.
+///
+/// # Errors
+/// A pose is not seven finite numbers, or the bodies are too far apart.
+#[wasm_bindgen(js_name = relativePose)]
+pub fn relative_pose(
+    #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>", js_name = aInWorld)] a_in_world: &[f64],
+    #[wasm_bindgen(unchecked_param_type = "ArrayLike<number>", js_name = bInWorld)] b_in_world: &[f64],
+) -> Result<Float64Array, JsError> {
+    Pose::relative(pose_of(a_in_world)?, pose_of(b_in_world)?).map(numbers_of).map_err(error)
+}
+
+fn numbers_of(pose: Pose) -> Float64Array {
     let (place, turn) = (pose.translation().to_array(), pose.rotation().to_array());
-    Ok(Float64Array::from([place.as_slice(), turn.as_slice()].concat().as_slice()))
+    Float64Array::from([place.as_slice(), turn.as_slice()].concat().as_slice())
 }
 
 #[wasm_bindgen(js_class = Pair)]
 impl QueryPair {
-    /// When B, which moves from the pose `start` to the pose `end` as in `poseBetween`, first meets
-    /// A, which rests.
+    /// When B, which moves from the pose `start` to the pose `end` as in `interpolatePoses`, first
+    /// meets A, which rests.
     ///
     /// # Errors
     /// A pose is not seven finite numbers.

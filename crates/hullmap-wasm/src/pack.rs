@@ -7,7 +7,7 @@ use hullmap::glam::Vec3;
 use js_sys::Float64Array;
 use wasm_bindgen::prelude::*;
 
-use crate::input::{bytes_of, error, rows_of, wrong_kind};
+use crate::input::{bytes_of, error, rows_of, text_of};
 use crate::object::{Plain, vector_from, vector_of};
 use crate::shape::Shape;
 
@@ -87,6 +87,20 @@ fn numbers(numbers: &[f64]) -> Float64Array {
     Float64Array::from(numbers)
 }
 
+/// The error about a file that cannot be opened, with the classes of JavaScript.
+pub fn wrong_kind(fault: impl std::fmt::Display) -> JsError {
+    let rust = "open it as one, or any kind with `Asset::open`";
+    error(fault.to_string().replace(rust, "new Pack opens packs, new Level triangle meshes and height fields"))
+}
+
+/// A density, as in C.
+fn checked_density(density: f64) -> Result<f64, JsError> {
+    if (0.0..f64::INFINITY).contains(&density) {
+        return Ok(density);
+    }
+    Err(error(format!("density: expected a finite number from 0, found {density}")))
+}
+
 /// An open pack.
 #[wasm_bindgen]
 #[derive(Debug)]
@@ -152,15 +166,19 @@ impl Pack {
     /// # Errors
     /// There is no such hull; the error names some that there are.
     #[wasm_bindgen(js_name = hullNamed)]
-    pub fn hull_named(&self, name: &str) -> Result<Hull, JsError> {
-        self.0.shared_hull_named(name).map(Hull).map_err(error)
+    pub fn hull_named(&self, #[wasm_bindgen(unchecked_param_type = "string")] name: &JsValue) -> Result<Hull, JsError> {
+        let name = text_of(name, "the name of a hull; hull takes an index")?;
+        self.0.shared_hull_named(&name).map(Hull).map_err(error)
     }
 
     /// Mass properties of all hulls as one rigid body of this density. Each object has the mass of
     /// its mesh, if the pack records it.
+    ///
+    /// # Errors
+    /// The density is negative or not finite.
     #[wasm_bindgen(js_name = massProperties)]
-    pub fn mass_properties(&self, density: f64) -> MassProperties {
-        mass(&self.0.mass_properties(density))
+    pub fn mass_properties(&self, density: f64) -> Result<MassProperties, JsError> {
+        Ok(mass(&self.0.mass_properties(checked_density(density)?)))
     }
 
     /// The union of all hulls as a shape, for instance to cast rays at it.
@@ -238,9 +256,12 @@ impl Hull {
 
     /// Mass properties of the mesh that the hull, or the part, was baked from, at this density;
     /// undefined if the pack does not record them.
+    ///
+    /// # Errors
+    /// The density is negative or not finite.
     #[wasm_bindgen(js_name = meshMassProperties)]
-    pub fn mesh_mass_properties(&self, density: f64) -> Option<MassProperties> {
-        self.0.hull().mesh_mass_properties(density).as_ref().map(mass)
+    pub fn mesh_mass_properties(&self, density: f64) -> Result<Option<MassProperties>, JsError> {
+        Ok(self.0.hull().mesh_mass_properties(checked_density(density)?).as_ref().map(mass))
     }
 
     /// The share of the mesh's solid that is in none of its parts; undefined if the pack does not
@@ -274,6 +295,13 @@ impl Hull {
     #[wasm_bindgen(getter, js_name = outerError)]
     pub fn outer_error(&self) -> f64 {
         self.0.hull().outer_error()
+    }
+
+    /// Origin of the hull's frame in the frame of the source: three numbers, which added to a point
+    /// of the hull give the source's coordinates. Zero unless the bake recentred.
+    #[wasm_bindgen(getter)]
+    pub fn origin(&self) -> Vec<f64> {
+        self.0.hull().origin().to_array().to_vec()
     }
 
     /// Index among the convex parts of its mesh.

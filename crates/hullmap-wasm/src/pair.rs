@@ -29,7 +29,7 @@ export interface ManifoldPoint {
 
 /** Contact manifold of two bodies, in A's frame. */
 export interface ContactManifold {
-    /** Unit vector from A to B; for packs, the normal of the first point. */
+    /** Unit vector from A to B; for packs, the normal of the first point. NaN if there are no points. */
     normal: Float64Array;
     /** Up to four points for each pair of hulls. */
     points: ManifoldPoint[];

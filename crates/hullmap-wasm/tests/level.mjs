@@ -99,7 +99,7 @@ export function testLevels({ bakeLevel, Level, Pack, Pair, Shape }, native, mesh
     ["no level", () => new Level(readFileSync(body)), ""],
     ["no faces", () => bakeLevel("points.obj", new TextEncoder().encode("v 0 0 0\n")), "has no faces"],
     ["class", () => level.edges("blunt"), "there is no class blunt of edges: the classes are border,"],
-    ["option", () => bakeLevel("roof.obj", new TextEncoder().encode(roof), { decompose: true }), "decompose has no effect"],
+    ["option", () => bakeLevel("roof.obj", new TextEncoder().encode(roof), { decompose: true }), "decompose has no effect on a level"],
     ["body", () => level.cast({}, [0, 0, 0, 0, 0, 0, 1], [0, 0, 1]), "body: expected a Hull"],
   ]) {
     assert.throws(act, (error) => error instanceof Error && error.message.includes(message), what);

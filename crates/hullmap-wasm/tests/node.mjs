@@ -17,8 +17,11 @@ const [folder, command, meshes] = process.argv.slice(2);
 // The entry that the package names for Node.
 const { exports } = JSON.parse(readFileSync(join(folder, "package.json")));
 const [runtime, baker] = await Promise.all([".", "./bake"].map((name) => import(pathToFileURL(join(folder, exports[name].node)))));
-const { Level, Pack, Pair, poseBetween, Shape, version } = runtime;
+const { interpolatePoses, Level, Pack, Pair, relativePose, Shape, version } = runtime;
 const { bake, bakeLevel, bakeMesh, gaussMap } = baker;
+for (const call of [() => new Pack(new Uint8Array(9)), () => Shape.sphere(1), () => bake("a.obj", new Uint8Array(9)), () => bakeMesh([0, 0, 0])]) {
+  assert.throws(call, /the module is not loaded: await init\(\)/);
+}
 for (const { default: init } of [runtime, baker]) {
   await init();
   await init(); // does nothing
@@ -147,6 +150,13 @@ assert.deepEqual([cube.meshMassProperties(1), cube.voids, cube.primitive], [unde
 const weight = pack.massProperties(3);
 assert.ok(weight.source === "hulls" && Math.abs(weight.mass - 3) < 1e-12 && Math.abs(weight.centerOfMass[0] - 0.5) < 1e-12);
 assert.ok(Math.abs(weight.inertia[4] - 0.5) < 1e-12);
+for (const wrong of [undefined, -1, NaN, Infinity]) {
+  assert.throws(() => pack.massProperties(wrong), /density: expected a finite number from 0, found/);
+  assert.throws(() => cube.meshMassProperties(wrong), /density: expected/);
+}
+// A recentred hull knows where it was.
+const centred = new Pack(bakeMesh(cube.vertices(), null, { recentre: true }).pack).hull(0);
+assert.deepEqual([[...cube.origin], [...centred.origin]], [[0, 0, 0], [0.5, 0.5, 0.5]]);
 const { faces, map } = gaussMap(baked.pack, 0, 64);
 assert.deepEqual([faces.length, map.resolution, map.line_starts.length], [6, 64, 7]);
 const stacked = new Pair(cube, cube);
@@ -172,6 +182,13 @@ for (const [points, corners] of [[positions, indices], [new Float64Array(positio
   assert.equal(gear.positions.length, corners ? 3 * new Set(indices).size : positions.length);
 }
 assert.equal(new Pack(bakeMesh(positions).pack).hull(0).name, "mesh");
+// Attributes of three.js, here with other numbers between the positions.
+const attribute = (itemSize, numbers, stride = itemSize) => {
+  const array = Array.from({ length: (numbers.length / itemSize) * stride }, (_, i) => (i % stride < itemSize ? numbers[Math.floor(i / stride) * itemSize + (i % stride)] : 1e6));
+  const [getX, getY, getZ] = [0, 1, 2].map((axis) => (i) => array[stride * i + axis]);
+  return { count: numbers.length / itemSize, itemSize, array, getX, getY, getZ };
+};
+assert.deepEqual(bakeMesh(attribute(3, positions, 8), attribute(1, indices), { name: "gear" }).pack, bakeMesh(positions, indices, { name: "gear" }).pack);
 // Fans of the gear's concave faces overlap: no solid. The triangles of the import do not.
 const imported = bake("gear.obj", readFileSync(join(meshes, "gear.obj")), {});
 const gear = new Pack(bakeMesh(imported.positions, imported.triangles, { decompose: true }).pack);
@@ -187,6 +204,7 @@ assert.deepEqual(heard.pack, bakeMesh(imported.positions, imported.triangles, { 
 for (const listener of [(share) => share < 0.1, () => { throw new Error("enough"); }]) {
   assert.throws(() => bake("gear.obj", readFileSync(join(meshes, "gear.obj")), { decompose: true }, listener), /cancelled/);
 }
+assert.throws(() => bakeMesh(attribute(2, [0, 0])), /expected an array of numbers, .* or an attribute of three.js/);
 const flat = bakeMesh(positions, null, { decompose: true });
 assert.match([...flat.notes, ...flat.warnings].join(), /mesh: not decomposed, because it has no faces/);
 
@@ -282,7 +300,7 @@ damaged[200] ^= 1;
 fails(() => new Pack(damaged), "checksum");
 fails(() => bake("a.obj", new TextEncoder().encode("v 0 0 0\nf 9\n")), "a.obj:2: vertex index 9 is out of range");
 fails(() => bake("a.obj", new Uint8Array(), {}), "a.obj");
-fails(() => bake("a.obj", new Uint8Array(), { indx: "tree" }), "unknown option indx: the options are split");
+fails(() => bake("a.obj", new Uint8Array(), { maxparts: 4 }), "unknown option maxparts; did you mean maxParts?");
 fails(() => bake("a.obj", new Uint8Array(), { index: "oak" }), "invalid value oak of option index: expected one of tree");
 fails(() => bake("a.obj", new Uint8Array(), { maxVertices: 3 }), "invalid value 3 of option maxVertices: expected a whole number of at least 4");
 fails(() => stacked.contact(new Float64Array(6)), "a pose has seven numbers");
@@ -291,6 +309,15 @@ fails(() => cube.supports(new Float32Array(4)), "three numbers");
 fails(() => pack.hull(1), "1");
 fails(() => pack.hull(-1), "whole number");
 fails(() => pack.hull("cube"), "hullNamed");
+for (const wrong of [0, undefined, {}]) {
+  fails(() => pack.hullNamed(wrong), "expected the name of a hull");
+  for (const make of [bake, bakeLevel]) fails(() => make(wrong, damaged), "expected the name of a mesh file");
+}
+fails(() => bake(damaged, "a.obj"), "expected the name of a mesh file");
+fails(() => gaussMap([1, 2], 0, 64), "expected the bytes of a file");
+const apart = { asset: { version: "2.0" }, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }], meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }] };
+Object.assign(apart, { accessors: [{ bufferView: 0, componentType: 5126, count: 3, type: "VEC3" }], bufferViews: [{ buffer: 0, byteLength: 36 }], buffers: [{ uri: "a.bin", byteLength: 36 }] });
+fails(() => bake("a.gltf", new TextEncoder().encode(JSON.stringify(apart))), "a.gltf: buffer 0 (a.bin) is missing, since the file is read alone: export it as GLB");
 fails(() => new Level(baked.pack), "new Pack");
 fails(() => bake("a.obj", new Uint8Array(), { name: "b" }), "option name: the hulls of a file have its names");
 fails(() => bake("a.obj", new Uint8Array(), { max_vertices: 8 }), "unknown option max_vertices: write it as in JavaScript, maxVertices");
@@ -313,7 +340,11 @@ fails(() => Shape.box([1, 2]), "halfEdges: expected three numbers, found 2");
   assert.ok(found.hit && found.tLower <= truth && truth <= found.tUpper && found.tUpper - found.tLower < 1e-4);
   assert.equal(found.status, "within");
   near(found.normal[1], -1);
-  near(poseBetween(start, end, 0.5)[6], Math.cos(Math.PI / 8));
+  near(interpolatePoses(start, end, 0.5)[6], Math.cos(Math.PI / 8));
+  fails(() => interpolatePoses(start, end), "t: expected a number");
+  // B is above A, which is turned by 90 degrees about z: along its own y axis is −x in the world.
+  const turned = [1, 2, 3, 0, 0, Math.SQRT1_2, Math.SQRT1_2], b = relativePose(turned, [0, 2, 5, 0, 0, Math.SQRT1_2, Math.SQRT1_2]);
+  assert.ok([0, 1, 2, 0, 0, 0, 1].every((number, i) => Math.abs(b[i] - number) < 1e-15), b);
   assert.equal(rod.castMotion(start, start).hit, false);
   const packs = new Pair(both, Shape.sphere(0.5)).castMotion(at(2, 0, 9), at(2, 0, -9));
   assert.ok(packs.hit && packs.parts.length === 2);
@@ -333,6 +364,7 @@ fails(() => cube.shape().ray([0, 0], [0, 0, 1]), "origin: expected three numbers
 const freed = Shape.sphere(1);
 freed.free();
 fails(() => new Pair(cube, freed), "that was not freed");
+fails(() => freed.ray([0, 0, 5], [0, 0, -1]), "the object was freed");
 
 // Time of a contact of two hulls with 10 000 vertices, along a path.
 const points = Array.from({ length: 10_000 }, (_, i) => {

@@ -48,7 +48,13 @@ pub fn read<'a>(
                 Cow::Owned(STANDARD.decode(data).map_err(|error| fault(format!("has invalid base64 data: {error}")))?)
             }
             BufferLocation::Beside(path) => {
-                let bytes = *beside.get(&path[..]).ok_or_else(|| fault(format!("({path}) is missing")))?;
+                // `read` reports what is missing on disk.
+                let bytes = *beside.get(&path[..]).ok_or_else(|| {
+                    let remedy = "export it as GLB, or with its buffers inside";
+                    LineFault::of_file(format!(
+                        "buffer {index} ({path}) is missing, since the file is read alone: {remedy}"
+                    ))
+                })?;
                 if is_lfs_pointer(bytes) {
                     let text =
                         format!("buffer {index} ({path}) is a Git LFS pointer, not the buffer itself: {LFS_REMEDY}");

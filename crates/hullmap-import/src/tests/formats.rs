@@ -261,7 +261,7 @@ fn gltf_errors_are_reported() {
     for (uri, words) in [
         ("data:;base64,%%%", "buffer 0 has invalid base64"),
         ("../up.bin", "buffer 0 has the URI `../up.bin`"),
-        ("beside.bin", "buffer 0 (beside.bin) is missing"),
+        ("beside.bin", "buffer 0 (beside.bin) is missing, since the file is read alone: export it as GLB"),
     ] {
         fails(import_file("a.gltf", good.text(uri), WHOLE), words);
     }

@@ -15,6 +15,7 @@ use hullmap_import::open_regular;
 
 use crate::outcome::Failure;
 
+pub(crate) use parse::most_similar;
 pub use rules::Config;
 pub use search::{Chosen, Configs};
 

@@ -275,7 +275,7 @@ fn unknown(what: &str, name: &str, known: &[&str]) -> String {
 }
 
 /// The known name most similar to `name`, if any is similar enough; the first of several.
-fn most_similar<'k>(name: &str, known: &[&'k str]) -> Option<&'k str> {
+pub(crate) fn most_similar<'k>(name: &str, known: &[&'k str]) -> Option<&'k str> {
     let mut best = None;
     let mut max = MIN_SIMILARITY;
     for other in known {

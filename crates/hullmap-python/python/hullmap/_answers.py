@@ -38,8 +38,7 @@ class Overlap(_Words):
     """Whether two shapes share a point."""
 
     SEPARATED = 0
-    """They share no point: a separating plane proves it. Its number is 0, so in C, any other status is
-    a hit."""
+    """They share no point: a separating plane proves it. Any other status counts as a hit."""
     OVERLAPPING = 1
     """Their interiors share points."""
     TOUCHING = 2

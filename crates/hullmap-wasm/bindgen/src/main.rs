@@ -34,7 +34,7 @@ fn main() -> ExitCode {
     };
     let written = chosen.and_then(|bindgen| bindgen.generate(folder)).map_err(|error| format!("{error:#}"));
     let script = Path::new(folder).join(name).with_extension("js");
-    match written.and_then(|()| check_arrays(&script).map_err(|error| error.to_string())) {
+    match written.and_then(|()| add_checks(&script).map_err(|error| error.to_string())) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{module}: {error}");
@@ -43,23 +43,41 @@ fn main() -> ExitCode {
     }
 }
 
-/// Makes the script reject what has no length, where an array of numbers is expected: it would take
-/// it as an empty array.
-fn check_arrays(script: &Path) -> io::Result<()> {
-    let text = fs::read_to_string(script)?;
-    let mut checked = String::with_capacity(text.len());
-    let mut count = 0;
-    for line in text.lines() {
-        checked += line;
-        checked.push('\n');
-        if line.trim_start().starts_with("function passArrayF") && line.ends_with("(arg, malloc) {") {
-            count += 1;
-            checked += "    if (typeof arg?.length !== 'number') {\n        throw new TypeError('expected an array of \
-                        numbers, such as [0, 0, 1]; of an attribute of three.js, its array');\n    }\n";
+/// Functions that [`add_checks`] puts into a script.
+const CHECKS: &str = include_str!("../../npm/checks.js");
+
+/// Where the functions of [`CHECKS`] are called: a line of the script, and what replaces it. An
+/// array without a length would be taken as an empty one, and a call before `init` or of a freed
+/// object would fail with a message about neither.
+const CALLS: [(&str, &str); 5] = [
+    (
+        "function passArrayF32ToWasm0(arg, malloc) {",
+        "function passArrayF32ToWasm0(arg, malloc) {\n    arg = numbersOf(arg);",
+    ),
+    (
+        "function passArrayF64ToWasm0(arg, malloc) {",
+        "function passArrayF64ToWasm0(arg, malloc) {\n    arg = numbersOf(arg);",
+    ),
+    ("let wasmModule, wasmInstance, wasm;", "let wasmModule, wasmInstance, wasm = notLoaded();"),
+    ("if (wasm !== undefined) return wasm;", "if (wasmInstance !== undefined) return wasm;"),
+    (
+        "throw new Error(getStringFromWasm0(arg0, arg1));",
+        "throw new Error(withRemedy(getStringFromWasm0(arg0, arg1)));",
+    ),
+];
+
+/// Adds the checks to a script of wasm-bindgen.
+fn add_checks(script: &Path) -> io::Result<()> {
+    let mut text = fs::read_to_string(script)?;
+    for (line, checked) in CALLS {
+        // A module need not pass arrays of both kinds.
+        if !text.contains(line) && !line.contains("F32") {
+            return Err(io::Error::other(format!("the script has no line `{line}`; adapt `CALLS`")));
         }
+        text = text.replace(line, checked);
     }
-    if count == 0 {
-        return Err(io::Error::other("the script passes no arrays of numbers as expected; adapt `check_arrays`"));
-    }
-    fs::write(script, checked)
+    let start = "function __wbg_get_imports() {";
+    let at = text.find(start).ok_or_else(|| io::Error::other(format!("the script has no line `{start}`")))?;
+    text.insert_str(at, CHECKS);
+    fs::write(script, text)
 }

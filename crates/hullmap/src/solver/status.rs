@@ -39,8 +39,7 @@ words!(
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Overlap {
-    /// They share no point: a separating plane proves it. Its number is 0, so in C, any other
-    /// status is a hit.
+    /// They share no point: a separating plane proves it. Any other status counts as a hit.
     Separated = 0,
     /// Their interiors share points.
     Overlapping = 1,
