@@ -73,4 +73,4 @@ pub use glam;
 pub use places::{InlineMesh, Places, Scheme, Unresolved, relative};
 pub use primitive::{NamedPrimitive, Primitive};
 pub use skipped::{SkipReason, Skipped};
-pub use srdf::{DisabledPair, SRDF_FIRST_LINE, SrdfPairs, srdf, srdf_pairs};
+pub use srdf::{DisabledPair, SrdfPairs, srdf, srdf_pairs};

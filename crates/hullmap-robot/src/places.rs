@@ -5,11 +5,21 @@
 //! below folders that the caller names: the project, and the folders of packages.
 
 use std::path::{Component, Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 const MAX_ABOVE: usize = 64;
 
 const MAX_PACKAGE_XML: u64 = 1 << 20;
+
+/// Limits of the search for packages below a folder.
+const MAX_BELOW: usize = 5;
+const MAX_FOLDERS: usize = 20_000;
+
+/// Folders of a workspace that hold copies of packages, or none.
+const SKIPPED_FOLDERS: [&str; 5] = ["build", "install", "log", "node_modules", "target"];
+
+/// Marks of the folder of a project.
+const PROJECT_MARKS: [&str; 2] = [".git", ".hg"];
 
 /// The folders in which files are looked for.
 #[derive(Clone, Debug, Default)]
@@ -20,7 +30,12 @@ pub struct Places {
     pub roots: Vec<PathBuf>,
     /// Advice for a missing mesh; `None`: to restore it.
     pub remedy: Option<&'static str>,
+    /// The folders below `packages` and `roots` with the mark of a package, once searched.
+    pub found: Found,
 }
+
+/// Folders with the mark of a package: the scheme of the mark, and the folder.
+pub type Found = Arc<OnceLock<Vec<(Scheme, PathBuf)>>>;
 
 /// Why a name leads to no file.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,16 +146,19 @@ impl Scheme {
 }
 
 impl Places {
-    /// Places of a description alone: its folder, and the package that it lies in.
+    /// Places of a description: its project, the nearest folder above it with `.git` or `.hg`; or
+    /// the package that it lies in; or its folder.
     ///
     /// # Errors
     /// The folder cannot be read.
     pub fn beside(description: &Path) -> std::io::Result<Self> {
         let folder = folder_of(description).canonicalize()?;
-        let marks = [Scheme::Package, Scheme::Model].map(Scheme::mark);
-        let is_package = |above: &&Path| marks.iter().any(|mark| above.join(mark).is_file());
-        let package = folder.ancestors().take(MAX_ABOVE).find(is_package).map(Path::to_owned);
-        Ok(Self { roots: vec![package.unwrap_or(folder)], ..Self::default() })
+        let marked = |marks: [&str; 2]| {
+            let is_marked = |above: &&Path| marks.iter().any(|mark| above.join(mark).exists());
+            folder.ancestors().take(MAX_ABOVE).find(is_marked).map(Path::to_owned)
+        };
+        let root = marked(PROJECT_MARKS).or_else(|| marked([Scheme::Package, Scheme::Model].map(Scheme::mark)));
+        Ok(Self { roots: vec![root.unwrap_or(folder)], ..Self::default() })
     }
 
     /// The file that the name of a mesh in a description in `folder` leads to.
@@ -155,7 +173,9 @@ impl Places {
     /// The folder, or file, that an included model's name leads to, canonical.
     pub(crate) fn folder_of_model(&self, name: &str, folder: &Path) -> Option<PathBuf> {
         let path = match Scheme::split(name) {
-            Some((scheme, rest)) => self.folders_of(scheme, rest.trim_matches('/'), folder).into_iter().next()?,
+            Some((scheme, rest)) => {
+                self.folders_of(scheme, rest.trim_matches('/'), folder, |_| true).into_iter().next()?
+            }
             None => folder.join(name),
         };
         path.canonicalize().ok()
@@ -224,14 +244,15 @@ impl Places {
         if package.is_empty() || Path::new(package).components().any(|part| !matches!(part, Component::Normal(_))) {
             return Err(not_found());
         }
-        let folders = self.folders_of(scheme, package, folder);
+        let folders = self.folders_of(scheme, package, folder, |folder| folder.join(below).is_file());
         let file = folders.iter().map(|folder| folder.join(below)).find(|path| path.is_file());
         file.or_else(|| folders.first().map(|folder| folder.join(below))).ok_or_else(not_found)
     }
 
     /// Folders that may be this package, the most certain first: from `--package-path`, then
-    /// folders above the description with the mark, then folders with only the name.
-    fn folders_of(&self, scheme: Scheme, package: &str, folder: &Path) -> Vec<PathBuf> {
+    /// folders above the description with the mark, then folders with only the name; if none
+    /// `holds` the file, folders with the mark anywhere below.
+    fn folders_of(&self, scheme: Scheme, package: &str, folder: &Path, holds: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
         let is_named = |folder: &Path| folder.file_name().is_some_and(|name| name == package);
         let is_package = |folder: &Path| {
             is_named(folder) || scheme == Scheme::Package && stated_name(folder).as_deref() == Some(package)
@@ -259,6 +280,37 @@ impl Places {
             }
         }
         found.extend(unmarked);
+        if !found.iter().any(|folder| holds(folder)) {
+            let below = self.found.get_or_init(|| self.search());
+            let own = below.iter().filter(|(own, folder)| *own == scheme && is_package(folder));
+            found.extend(own.map(|(_, folder)| folder.clone()));
+        }
+        found
+    }
+
+    /// Packages and models below the folders that may be read, in the order of their paths.
+    fn search(&self) -> Vec<(Scheme, PathBuf)> {
+        let mut found = Vec::new();
+        let mut waiting: Vec<(PathBuf, usize)> =
+            self.roots.iter().chain(&self.packages).rev().map(|folder| (folder.clone(), 0)).collect();
+        let mut left = MAX_FOLDERS;
+        while let Some((folder, depth)) = waiting.pop() {
+            let marks =
+                [Scheme::Package, Scheme::Model].into_iter().filter(|scheme| folder.join(scheme.mark()).is_file());
+            found.extend(marks.map(|scheme| (scheme, folder.clone())));
+            if depth == MAX_BELOW {
+                continue;
+            }
+            let entries = std::fs::read_dir(&folder).into_iter().flatten().flatten();
+            // Links may lead anywhere.
+            let inner = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));
+            let is_searched = |name: &str| !name.starts_with('.') && !SKIPPED_FOLDERS.contains(&name);
+            let inner = inner.filter(|entry| entry.file_name().to_str().is_some_and(is_searched));
+            let mut inner: Vec<PathBuf> = inner.map(|entry| entry.path()).take(left).collect();
+            left -= inner.len();
+            inner.sort();
+            waiting.extend(inner.into_iter().rev().map(|folder| (folder, depth + 1)));
+        }
         found
     }
 }
@@ -348,13 +400,17 @@ mod tests {
             ("ws/checkout/package.xml", "<package>\n<name> other </name></package>"),
             ("ws/checkout/c.stl", ""),
             ("ws/plain/d.stl", ""),
+            ("ws/src/repo/desc/package.xml", "<package><name>deep</name></package>"),
+            ("ws/src/repo/desc/f.stl", ""),
+            ("ws/install/deep/package.xml", ""),
+            ("ws/install/deep/f.stl", ""),
             ("else/far/e.stl", ""),
             ("else/far/model.config", ""),
         ]);
         let places = Places {
             packages: vec![root.join("else"), root.join("ws/checkout")],
             roots: vec![root.join("ws")],
-            remedy: None,
+            ..Places::default()
         };
         let urdf = root.join("ws/arm/urdf");
         for (name, file) in [
@@ -363,6 +419,7 @@ mod tests {
             ("package:///plain/d.stl", "ws/plain/d.stl"),
             ("package://other/c.stl", "ws/checkout/c.stl"),
             ("package://far/e.stl", "else/far/e.stl"),
+            ("package://deep/f.stl", "ws/src/repo/desc/f.stl"),
             ("model://far/e.stl", "else/far/e.stl"),
             ("b.stl", "ws/arm/urdf/b.stl"),
             ("../meshes/a.stl", "ws/arm/meshes/a.stl"),

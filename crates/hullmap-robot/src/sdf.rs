@@ -53,8 +53,11 @@ pub(crate) fn read(document: Document, places: &Places) -> Result<Description, R
         unread.push(Unread { document: 0, line, element, reason: "it is another file; write its links into this one" });
     }
     let named = tree.descendants().filter(|node| FILES.iter().any(|name| node.has_tag_name(*name)));
-    let references: BTreeSet<Reference> =
-        named.filter_map(|node| reference(node.text()?, places, folder, folder)).collect();
+    let references = named.filter_map(|node| reference(node.text()?, places, folder, folder));
+    // Gazebo finds a model by this file beside it.
+    let config = reference("model.config", places, folder, folder);
+    let config = config.map(|own| Reference { written: String::new(), ..own });
+    let references: BTreeSet<Reference> = references.chain(config).collect();
     let chain = joints::chain(tree.root_element(), &links, &document);
     let model = tree.descendants().find(|node| node.has_tag_name("model"));
     let name = model.and_then(|model| model.attribute("name")).unwrap_or_default().to_owned();

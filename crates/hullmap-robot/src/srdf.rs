@@ -9,9 +9,6 @@ use crate::document::Document;
 use crate::element::{children, escaped};
 use crate::error::RobotError;
 
-/// The first line of files of [`srdf`].
-pub const SRDF_FIRST_LINE: &str = "<?xml version=\"1.0\"?><!-- Written by bake robot: pairs only. -->\n";
-
 /// A pair of links that is not tested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DisabledPair<'a> {
@@ -31,7 +28,7 @@ pub struct DisabledPair<'a> {
 /// assert!(text.contains("<disable_collisions link1=\"a\" link2=\"b\" reason=\"Adjacent\"/>\n"));
 /// ```
 pub fn srdf(robot: &str, comment: &str, pairs: &[DisabledPair]) -> String {
-    let mut text = format!("{SRDF_FIRST_LINE}<robot name=\"{}\">\n", escaped(robot));
+    let mut text = format!("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n", escaped(robot));
     text += &format!("  <!-- {} -->\n", escaped(comment).replace("--", "- -"));
     for DisabledPair { links: [a, b], reason } in pairs {
         let [a, b, reason] = [a, b, reason].map(|text| escaped(text));

@@ -1,5 +1,5 @@
-//! A command without arguments: the nearest `hullmap.toml` names the meshes and the folder of packs.
-//! A build of some of its meshes is a part of the whole build: packs have the same names and
+//! A command without arguments: the nearest `hullmap.toml` names the meshes and the folder of
+//! packs. A build of some of its meshes is a part of the whole build: packs have the same names and
 //! places.
 
 use std::ffi::OsString;

@@ -145,9 +145,9 @@ class Robot:
 
         ``packs`` are folders of packs: the pack of ``meshes/hand.stl`` is ``hand.hullmap``, and must have been
         baked from that mesh. A mesh without a pack stands for its convex hull. ``packages`` are folders of
-        packages, or folders that hold them. Without them, only the package that the file lies in is read. Pairs
-        that the ``srdf`` file disables are allowed, as by `allowing_srdf`. With ``strict=True``, geometry that cannot
-        be tested is an error; without, `skipped` lists it.
+        packages, or folders that hold them. Files are read below them and in the project: the nearest folder above
+        with ``.git``, or the package. Pairs that the ``srdf`` file disables are allowed, as by `allowing_srdf`. With
+        ``strict=True``, geometry that cannot be tested is an error; without, `skipped` lists it.
         """
         return cls._read("URDF", path, packs, packages, srdf, strict)
 

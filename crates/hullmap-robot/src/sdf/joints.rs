@@ -83,14 +83,14 @@ impl<'a> Reader<'a, '_> {
             self.index.get(&found.range().start).copied()
         };
         let (parent, Some(link)) = (link("parent"), link("child")) else {
-            return self.warn(node, "its child is not a link of this file, so it is left out");
+            return self.warn(node, "its child is not a link of this file, so it moves nothing here");
         };
         if let Some(parent) = parent {
             if let Err(reason) = self.chain.attach(link, parent, in_world[parent].inverse() * in_world[link]) {
-                return self.warn(node, &format!("{reason}, and is left out; correct it"));
+                return self.warn(node, &format!("{reason}, and moves nothing here; correct it"));
             }
         } else if end(node, "parent") != Some("world") {
-            return self.warn(node, "its parent is not a link of this file, so it is left out");
+            return self.warn(node, "its parent is not a link of this file, so it moves nothing here");
         }
         let axes: &[(&'static str, Motion)] = match node.attribute("type").unwrap_or_default() {
             "revolute" | "continuous" => &[("axis", Motion::Hinge)],

@@ -27,7 +27,7 @@ pub fn chain(robot: Node, links: &[Link], document: &Document) -> Chain {
             |message: &str| chain.warnings.push(format!("line {line}: joint `{name}`: {message}; correct it"));
         let end = |kind| child(node, kind).and_then(|end| end.attribute("link")).and_then(|link| index.get(link));
         let (Some(&parent), Some(&link)) = (end("parent"), end("child")) else {
-            warn("its parent or child is not a link, so it is left out");
+            warn("its parent or child is not a link, so it moves nothing here");
             continue;
         };
         let rest = pose(node).unwrap_or_else(|| {
@@ -39,7 +39,7 @@ pub fn chain(robot: Node, links: &[Link], document: &Document) -> Chain {
             chain.notes.push(format!("line {line}: joint `{name}`: it is not moved here, since it has no single axis"));
         }
         if let Err(reason) = chain.attach(link, parent, rest) {
-            chain.warnings.push(format!("line {line}: joint `{name}`: {reason}, and is left out; correct it"));
+            chain.warnings.push(format!("line {line}: joint `{name}`: {reason}, and moves nothing here; correct it"));
             continue;
         }
         let Some(joint) = joint(node, name, kind, link) else { continue };

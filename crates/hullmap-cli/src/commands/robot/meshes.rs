@@ -30,6 +30,11 @@ impl Mesh {
         self.hull.get_or_init(|| hull_of(&self.points, IndexKind::None)).as_ref()
     }
 
+    /// Diagonal of its bounds, in the unit of the mesh.
+    pub fn diagonal(&self) -> f64 {
+        self.points.diagonal()
+    }
+
     /// Bound on how far the hull lies outside of the solid that the mesh bounds, in the unit of the
     /// mesh; `None` if it cannot be measured.
     pub fn protrusion(&self) -> Option<f64> {

@@ -27,12 +27,14 @@ mod touching;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use hullmap_robot::{
-    Change, Description, Format, Geometry, Link, Places, RobotError, SRDF_FIRST_LINE, Scheme, Skipped, escaped,
-    relative,
+    Change, Description, Format, Geometry, Link, Places, RobotError, Scheme, Skipped, escaped, relative,
 };
+
+use hullmap_geometry::number::short;
 
 use crate::args::{DECIDED_BY_ROBOTS, FromVisual, RobotArgs, reason_of_robots};
 use crate::interrupt;
@@ -44,7 +46,7 @@ use hullmap_pipeline::baker::bake_pack;
 use hullmap_pipeline::config::Configs;
 use hullmap_pipeline::glob::Glob;
 use hullmap_pipeline::jobs::Job;
-use hullmap_pipeline::mesh_file::place::{OutputFile, State};
+use hullmap_pipeline::mesh_file::place::{OutputFile, State, check_free};
 use hullmap_pipeline::options::flag;
 use hullmap_pipeline::outcome::{Exit, Failure, end};
 use hullmap_pipeline::pack_file::{folder_of, plain, shown_from, sweep};
@@ -193,7 +195,7 @@ fn read(args: &RobotArgs, input: &Path) -> (Row, Read) {
     let project = Project::of_pack(&place, Path::new("."));
     let roots = project.iter().map(|project| project.root().to_owned()).collect();
     let remedy = Some("restore it, or leave its link alone with `bake robot --exclude`");
-    let places = Places { packages: args.packages.clone(), roots, remedy };
+    let places = Places { packages: args.packages.clone(), roots, remedy, ..Places::default() };
     let read = Description::read(input, &places).map_err(|error| failure(&error)).and_then(|description| {
         if args.exclude_pairs && description.format == Format::Sdf {
             let message = "--exclude-pairs is for URDF and MJCF: in SDF, links of a model meet only with self_collide";
@@ -229,9 +231,41 @@ fn prepare(
     if let Some(unused) = unused {
         return Err(one(Failure::usage(unused.message(flag))));
     }
+    if !args.check {
+        let warnings = huge_links(&description, &choices, &mut Meshes::new(args.limits.limits()));
+        // A decomposition of such a mesh may take hours, so the warning is not for its end.
+        match args.run.json {
+            true => choices.warnings.extend(warnings),
+            false => warnings.iter().for_each(terminal::warning),
+        }
+    }
     let unreachable = unreachable(&description, &target, &choices, &places);
     let documents = document_paths(&description, &target).map_err(one)?;
     Ok(Robot { description, target, documents, choices, inline, unreachable, first_job: 0 })
+}
+
+/// Diagonal of a link's mesh, in metres, above which its unit is in doubt.
+const HUGE: f64 = 20.0;
+
+/// Warnings about meshes that are as large as if their unit were the millimetre.
+fn huge_links(description: &Description, choices: &Choices, meshes: &mut Meshes) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for (index, own) in choices.hulls.iter().enumerate() {
+        let Some(length) = meshes.get(&own.mesh).map(|mesh| mesh.diagonal() * own.mesh.stretch()) else { continue };
+        let user = choices.shapes.iter().find(|shape| matches!(shape.choice, Choice::Hulls(at) if at == index));
+        if let Some(user) = user.filter(|_| length > HUGE) {
+            let shape = choices.shape(user, description);
+            let (file, link) = (description.documents[shape.document].path(), &description.links[user.link].name);
+            warnings.push(format!(
+                "{}:{}: the mesh of link `{link}` is {} m long; if its unit is the millimetre, scale it by 0.001 in \
+                 the description",
+                file.display(),
+                shape.line,
+                short(length)
+            ));
+        }
+    }
+    warnings
 }
 
 fn failure(error: &RobotError) -> Failure {
@@ -342,6 +376,10 @@ fn finish(
             changes.push(pairs.change());
             files.extend(exclude(args, &description, &target, &pairs, row)?);
             row.warnings.extend(pairs.unread(&description));
+            if !description.others.is_empty() {
+                let message = "bodies of models in other files were not tested, and none of their pairs is excluded";
+                row.warnings.push(format!("{}: {message}", row.file));
+            }
             row.warnings.extend(pairs.filled(&description, &choices, &hulls, &mut meshes));
         }
         if args.report.is_some() {
@@ -413,7 +451,8 @@ fn listed(names: impl ExactSizeIterator<Item = String>) -> String {
 }
 
 fn links_without_collision(description: &Description, choices: &Choices, from_visual: FromVisual) -> Option<String> {
-    let gets_one: BTreeSet<usize> = choices.shapes.iter().filter(|own| own.from_visual).map(|own| own.link).collect();
+    let gets_one = choices.shapes.iter().filter(|own| own.from_visual && !matches!(own.choice, Choice::Kept(_)));
+    let gets_one: BTreeSet<usize> = gets_one.map(|own| own.link).collect();
     let links = description.links.iter().enumerate().filter(|(_, link)| link.collisions.is_empty());
     let (with, without): (Vec<_>, Vec<_>) = links
         .filter(|(_, link)| link.takes_visuals && !link.visuals.is_empty())
@@ -447,10 +486,9 @@ fn exclude(
     if description.format != Format::Urdf {
         return Ok(None);
     }
-    let output = OutputFile { path: target.file.with_extension("srdf"), bytes: pairs.srdf(description).into_bytes() };
-    if !args.force && output.path.exists() && !files::starts_with(&output.path, SRDF_FIRST_LINE) {
-        let message = "exists, and was not written by bake: copy its other elements elsewhere, or pass --force";
-        return Err(Failure::usage(format!("{}: {message}", shown(&output.path))));
+    let output = OutputFile { path: target.file.with_extension("srdf"), bytes: pairs.srdf(description) };
+    if !args.force && !args.check && output.state()? == State::Other {
+        check_free(Path::new(&shown(&output.path)))?;
     }
     Ok(Some(output))
 }
@@ -468,6 +506,8 @@ fn unreachable(description: &Description, target: &Target, choices: &Choices, pl
             _ => None,
         })
         .collect();
+    // Other programs do not search the project.
+    let places = Places { found: Arc::new(Vec::new().into()), ..places.clone() };
     let is_reached =
         |name: &str, file: &Path| places.resolve(name, &target.folder).is_ok_and(|found| is_same_file(&found, file));
     let lost = meshes.into_iter().filter(|(name, file)| target.is_elsewhere() && !is_reached(name, file));

@@ -7,6 +7,8 @@ use hullmap_robot::{
 };
 use rayon::prelude::*;
 
+use hullmap_pipeline::mesh_file::seal::{SEAL, sealed};
+
 use super::bodies::Piece;
 use super::choice::{Choice, Choices};
 use super::hulls::Hulls;
@@ -165,11 +167,13 @@ impl Pairs {
         })
     }
 
-    pub fn srdf(&self, description: &Description) -> String {
+    /// The SRDF file, sealed.
+    pub fn srdf(&self, description: &Description) -> Vec<u8> {
         let name = |link: usize| description.links[link].name.as_str();
         let pair = |pair: &Excluded| DisabledPair { links: pair.links.map(name), reason: pair.reason };
         let pairs: Vec<DisabledPair> = self.excluded.iter().map(pair).collect();
-        srdf(&description.name, &self.in_words(), &pairs)
+        let comment = format!("Pairs only, {SEAL}. {}", self.in_words());
+        sealed(srdf(&description.name, &comment, &pairs).into_bytes())
     }
 }
 

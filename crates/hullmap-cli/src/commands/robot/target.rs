@@ -25,23 +25,25 @@ impl Target {
     ///
     /// In another folder than the input's, files that it names by relative paths are copied. If
     /// such a path climbs, the folders above the description are kept, so that nothing is written
-    /// outside of `--out`. A description that another one of the run attaches has its place there.
+    /// outside of `--out`. Descriptions of one name keep their folders. A description that another
+    /// one of the run attaches has its place there.
     pub fn new(args: &RobotArgs, description: &Description, all: &[&Description]) -> Result<Self, Failure> {
         let is_named = |own: &Description| all.iter().any(|other| place_in(other, own).is_some());
         let namer =
             all.iter().filter(|other| !is_named(other)).find_map(|other| Some((other, place_in(other, description)?)));
-        let Some((namer, place)) = namer else { return Self::alone(args, description) };
+        let Some((namer, place)) = namer else { return Self::alone(args, description, all) };
         let input = folder_of(description.path());
         let source = input.canonicalize().map_err(|error| undetermined(input, &error))?;
-        Ok(Self::of(description, plain(&Self::alone(args, namer)?.folder.join(place)), source))
+        Ok(Self::of(description, plain(&Self::alone(args, namer, all)?.folder.join(place)), source))
     }
 
-    fn alone(args: &RobotArgs, description: &Description) -> Result<Self, Failure> {
+    fn alone(args: &RobotArgs, description: &Description, all: &[&Description]) -> Result<Self, Failure> {
         let input = description.path();
         let source = folder_of(input).canonicalize().map_err(|error| undetermined(input, &error))?;
         let out = if is_file(args) { folder_of(&args.out).to_owned() } else { args.out.clone() };
         let out = canonical_of_gone(&out).ok_or_else(|| undetermined(&out, &"a folder above it cannot be read"))?;
         let out = std::path::absolute(&out).map(|out| plain(&out)).map_err(|error| undetermined(&out, &error))?;
+        let out = out.join(below_common(&source, input, all));
         let name = if is_file(args) { args.out.file_name() } else { input.file_name() }.unwrap_or_default();
         let climbs = |path: &Path| path.components().take_while(|part| *part == Component::ParentDir).count();
         let up = description.references.iter().map(|reference| climbs(&reference.path)).max().unwrap_or_default();
@@ -75,6 +77,16 @@ impl Target {
     pub fn is_elsewhere(&self) -> bool {
         self.folder != self.source
     }
+}
+
+/// The path to `source`, the folder of `input`, from the common folder of all inputs of that name.
+fn below_common(source: &Path, input: &Path, all: &[&Description]) -> PathBuf {
+    let same = all.iter().map(|own| own.path()).filter(|own| own.file_name() == input.file_name());
+    let folders = same.filter_map(|own| folder_of(own).canonicalize().ok());
+    let common = folders.fold(source.to_owned(), |common, folder| {
+        common.ancestors().find(|above| folder.starts_with(above)).map(Path::to_owned).unwrap_or_default()
+    });
+    source.strip_prefix(&common).unwrap_or(Path::new("")).to_owned()
 }
 
 /// The path from a description's folder to another description, if it names that one.
