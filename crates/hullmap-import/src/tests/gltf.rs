@@ -224,3 +224,14 @@ fn primitives_have_the_materials_that_they_name() {
     assert_eq!((imported.materials.is_empty(), imported.materials.unknown_count()), (true, 1));
     assert_eq!(imported.materials.of_triangles(&imported.faces[0].ends), Some(vec![]));
 }
+
+#[test]
+fn colliders_count_against_the_limit_on_repetition() {
+    let collider = r#"{"extensions":{"KHR_physics_rigid_bodies":{"collider":{"geometry":{"mesh":1}}}}}"#;
+    let nodes = vec![collider; 30_000].join(",");
+    let roots = (0..30_000).map(|index| index.to_string()).collect::<Vec<_>>().join(",");
+    let text = section_file("a.gltf", &format!(r#"{{"scenes":[{{"nodes":[{roots}]}}],"nodes":[{nodes}],MESHES}}"#));
+    let (source, limits) =
+        (SourceFile::alone(text.into_bytes()), Limits { repeated_vertices: 10_000, ..Limits::DEFAULT });
+    fails(crate::import("a.gltf", "a", Path::new("a.gltf"), &source, &AUTO, &limits), "max_instanced");
+}
