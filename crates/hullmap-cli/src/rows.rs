@@ -228,29 +228,6 @@ fn ranks(ranks: &[u32]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use hullmap_pipeline::triangle_mesh::MeshSummary;
-
-    fn rows() -> Vec<Row> {
-        let row = |status| Row::new("a.obj".to_owned(), "a.hullmap".to_owned(), status);
-        [Status::Fresh, Status::Baked, Status::Failed, Status::Fresh, Status::Orphaned].map(row).to_vec()
-    }
-
-    fn table(lists_fresh: bool, is_check: bool) -> String {
-        let mut out = Vec::new();
-        write_table(&rows(), lists_fresh, is_check, &mut Output::new(&mut out)).unwrap();
-        String::from_utf8(out).unwrap()
-    }
-
-    #[test]
-    fn fresh_files_are_counted_but_listed_only_with_verbose() {
-        let text = table(false, false);
-        assert_eq!(text.lines().count(), 1 + 3 + 2, "{text}");
-        assert!(text.ends_with("\n\n1 baked, 2 fresh, 1 failed, 1 orphaned; 0 hulls in 0 bytes\n"), "{text}");
-        assert_eq!(table(true, false).lines().count(), 1 + 5 + 2);
-        let mut out = Vec::new();
-        write_table(&rows()[..1], false, false, &mut Output::new(&mut out)).unwrap();
-        assert_eq!(out, b"0 baked, 1 fresh, 0 failed; 0 hulls in 0 bytes\n");
-    }
 
     #[test]
     fn only_notes_with_an_option_are_advice() {
@@ -260,20 +237,5 @@ mod tests {
         assert_eq!(advice("2 vertices that no element references, left out (--set vertices=all includes them)"), None);
         assert_eq!(others(&[]), "");
         assert_eq!(others(&["b.obj", "c.obj"]), " (and 2 more like it: b.obj, …; --verbose lists them)");
-    }
-
-    #[test]
-    fn triangles_are_counted_beside_hulls() {
-        let mut rows = rows();
-        rows[1].triangle_mesh = Some(MeshSummary { triangles: 1200, ..MeshSummary::default() });
-        assert!(summary(&rows, false).ends_with("; 1 200 triangles in 0 bytes"), "{}", summary(&rows, false));
-        rows[0].hulls = Some(2);
-        assert!(summary(&rows, false).ends_with("; 2 hulls and 1 200 triangles in 0 bytes"));
-    }
-
-    #[test]
-    fn a_check_counts_what_is_stale() {
-        let text = table(false, true);
-        assert!(text.ends_with("\n\n2 fresh, 0 stale, 0 missing, 1 failed, 1 orphaned\n"), "{text}");
     }
 }

@@ -146,4 +146,4 @@ macro_rules! files {
     };
 }
 
-files! { assets check decompose export farm guides input names options pages report robot scenes surfaces untrusted verify }
+files! { arguments assets check decompose export farm guides input names options pages report robot scenes surfaces untrusted verify }

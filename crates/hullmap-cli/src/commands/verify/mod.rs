@@ -347,30 +347,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn simplified_hull_is_not_called_exact() {
-        let exact = HullVerification {
-            pass: true,
-            against: Some("source"),
-            outer_error: Some(0.0),
-            diameter: Some(2.0),
-            ..HullVerification::default()
-        };
-        let outer = HullVerification { outer_error: Some(0.12), ..exact.clone() };
-        assert_eq!(summary(std::slice::from_ref(&exact)), "1 exact, 0 failed");
-        assert!(
-            summary(&[exact, outer.clone()])
-                .starts_with("1 exact, 1 simplified, 0 failed; each simplified hull contains")
-        );
-        assert_eq!(
-            (outer.result(), outer_error(&outer)),
-            ("contains its source", "0.12 (6% of the diameter)".to_owned())
-        );
-        let unsourced = HullVerification { against: Some("stored hull"), ..outer };
-        assert_eq!(unsourced.result(), "index exact");
-        assert!(!summary(&[unsourced]).contains("contains its source"));
-    }
-
-    #[test]
     fn a_part_is_exact_only_if_its_bounds_are_0() {
         let tight = HullVerification {
             pass: true,
