@@ -147,6 +147,17 @@ fn section_file(name: &str, text: &str) -> String {
     text
 }
 
+/// Rows of a text below its head, cut into columns.
+fn rows(text: &'static str) -> impl Iterator<Item = Vec<&'static str>> {
+    text.split_once("\n\n").unwrap().1.lines().map(|row| row.split(" | ").collect())
+}
+
+/// A text with the escapes of JSON, and with quotes as they are.
+fn unescaped(text: &str) -> String {
+    serde_json::from_str(&format!("\"{}\"", text.replace('"', "\\\"")))
+        .unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
 #[test]
 fn files_have_the_imports_that_stand_below_them() {
     let sections: Vec<&str> = include_str!("imports.txt").split("\n=== ").skip(1).collect();
