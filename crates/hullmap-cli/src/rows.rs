@@ -14,7 +14,7 @@ use hullmap_pipeline::runner::{self, Resources};
 use crate::args::running::RunArgs;
 use crate::args::{DEFAULT_MEMORY, MeshArgs};
 use crate::progress::Progress;
-use crate::table::{Align, Table, or_dash};
+use crate::table::{Table, or_dash};
 use crate::terminal::{self, Output};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -144,15 +144,9 @@ pub fn write_table(rows: &[Row], lists_all: bool, is_check: bool, out: &mut Outp
 
 fn build_table(rows: &[&Row]) -> Table {
     let has_triangles = rows.iter().any(|row| row.surface().is_some());
-    let triangles = has_triangles.then_some(("triangles", Align::Right));
-    let columns: Vec<(&str, Align)> =
-        [("source", Align::Left), ("pack", Align::Left), ("hulls", Align::Right), ("points", Align::Right)]
-            .into_iter()
-            .chain([("vertices", Align::Right), ("rank", Align::Right)])
-            .chain(triangles)
-            .chain([("bytes", Align::Right), ("ms", Align::Right), ("status", Align::Left)])
-            .collect();
-    let mut table = Table::new(&columns);
+    let triangles = if has_triangles { "triangles | " } else { "" };
+    let mut table =
+        Table::headed(&format!("source: | pack: | hulls | points | vertices | rank | {triangles}bytes | ms | status:"));
     let number = |value: Option<usize>| or_dash(value, |value| grouped(value as u64));
     for row in rows {
         let [triangles, vertices] = row.surface().map_or([None; 2], |counts| counts.map(Some));
@@ -174,8 +168,7 @@ fn build_table(rows: &[&Row]) -> Table {
 }
 
 fn check_table(rows: &[&Row]) -> Table {
-    let columns = [("status", Align::Left), ("pack", Align::Left), ("why", Align::Left)];
-    let mut table = Table::new(&columns);
+    let mut table = Table::headed("status: | pack: | why:");
     for row in rows {
         let why = row.error.as_ref().or(row.reason.as_ref());
         table.push(vec![row.status.word().to_owned(), row.output.clone(), or_dash(why, String::clone)]);

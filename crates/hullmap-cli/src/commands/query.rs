@@ -7,7 +7,7 @@ use crate::args::{Mode, QueryArgs};
 use crate::pair::{PairAnswer, PairSolver, Side};
 use crate::pose::{parse_pose, read_poses};
 use crate::selection::Selection;
-use crate::table::{Align, Table, or_dash};
+use crate::table::{Table, or_dash};
 use crate::terminal::Output;
 use hullmap_geometry::number::rounded;
 use hullmap_pipeline::open::{noun, open_asset};
@@ -88,19 +88,13 @@ fn choose<'a>(selection: &Selection, asset: &'a Asset) -> Result<Side<'a>, Failu
 }
 
 fn table(mode: Mode, names_hulls: bool) -> Table {
-    let mut columns = vec![("pose", Align::Right), ("hit", Align::Left), ("status", Align::Left)];
-    if names_hulls {
-        columns.extend(["hull of A", "hull of B"].map(|title| (title, Align::Left)));
-    }
-    if mode == Mode::Contact {
-        columns.push(("depth", Align::Right));
-    }
-    if mode != Mode::Intersect {
-        columns.push(("distance", Align::Right));
-        columns.extend(["normal", "point on A", "point on B"].map(|title| (title, Align::Left)));
-    }
-    columns.extend(["iterations", "supports"].map(|title| (title, Align::Right)));
-    Table::new(&columns)
+    let hulls = if names_hulls { "hull of A: | hull of B: | " } else { "" };
+    let lengths = match mode {
+        Mode::Intersect => "",
+        Mode::Distance => "distance | normal: | point on A: | point on B: | ",
+        Mode::Contact => "depth | distance | normal: | point on A: | point on B: | ",
+    };
+    Table::headed(&format!("pose | hit: | status: | {hulls}{lengths}iterations | supports"))
 }
 
 fn row(report: &PoseAnswer, mode: Mode, names_hulls: bool) -> Vec<String> {

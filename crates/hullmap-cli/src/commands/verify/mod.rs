@@ -8,7 +8,7 @@ use hullmap::{Asset, Pack};
 use hullmap_geometry::number::{percent, short};
 
 use crate::args::verify::VerifyArgs;
-use crate::table::{Align, Table, or_dash};
+use crate::table::{Table, or_dash};
 use crate::terminal::{self, Output};
 use hullmap_geometry::number::grouped;
 use hullmap_pipeline::budget::{Figures, budget};
@@ -194,22 +194,10 @@ fn index_word(hulls: &[HullVerification]) -> &'static str {
 
 fn pack_table(results: &[HullVerification]) -> Table {
     let has_simplified = results.iter().any(HullVerification::is_simplified);
-    let mut columns = vec![
-        ("file", Align::Left),
-        ("hulls", Align::Right),
-        ("vertices", Align::Right),
-        ("index", Align::Left),
-        ("max_regret", Align::Right),
-        ("mismatches", Align::Right),
-        ("nodes", Align::Right),
-        ("dots", Align::Right),
-        ("against", Align::Left),
-        ("result", Align::Left),
-    ];
-    if has_simplified {
-        columns.push(("outer error", Align::Left));
-    }
-    let mut table = Table::new(&columns);
+    let outer = if has_simplified { " | outer error:" } else { "" };
+    let mut table = Table::headed(&format!(
+        "file: | hulls | vertices | index: | max_regret | mismatches | nodes | dots | against: | result:{outer}"
+    ));
     for hulls in results.chunk_by(|result, next| result.file == next.file) {
         let first = &hulls[0];
         let hull_count = hulls.iter().filter(|result| result.hull.is_some()).count();
@@ -253,24 +241,11 @@ fn pack_table(results: &[HullVerification]) -> Table {
 
 fn hull_table(results: &[HullVerification]) -> Table {
     let has_simplified = results.iter().any(HullVerification::is_simplified);
-    let mut columns = vec![
-        ("file", Align::Left),
-        ("hull", Align::Left),
-        ("vertices", Align::Right),
-        ("rank", Align::Right),
-        ("index", Align::Left),
-        ("max_regret", Align::Right),
-        ("mismatches", Align::Right),
-        ("nodes", Align::Right),
-        ("dots", Align::Right),
-        ("index B/vertex", Align::Right),
-        ("against", Align::Left),
-        ("result", Align::Left),
-    ];
-    if has_simplified {
-        columns.push(("outer error", Align::Left));
-    }
-    let mut table = Table::new(&columns);
+    let outer = if has_simplified { " | outer error:" } else { "" };
+    let mut table = Table::headed(&format!(
+        "file: | hull: | vertices | rank | index: | max_regret | mismatches | nodes | dots | index B/vertex | against: | \
+         result:{outer}"
+    ));
     let small_count = |value: Option<u32>| count(value.map(|value| value as usize));
     for result in results {
         let mut cells = vec![
