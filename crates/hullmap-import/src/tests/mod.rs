@@ -116,6 +116,14 @@ fn described(imported: &Imported) -> String {
     for (name, count) in [("unreferenced", imported.unreferenced_count), ("duplicate", imported.duplicate_count)] {
         text += &if count > 0 { format!("{name}: {count}\n") } else { String::new() };
     }
+    let materials = imported.materials.names();
+    if !materials.is_empty() || imported.materials.unknown_count() > 0 {
+        let of_triangles = imported.materials.of_triangles(&imported.faces[0].ends);
+        text += &format!(
+            "materials: {materials:?}, of triangles {of_triangles:?}, {} unknown\n",
+            imported.materials.unknown_count()
+        );
+    }
     imported.notes.iter().for_each(|note| text += &format!("note: {note}\n"));
     imported.warnings.iter().for_each(|warning| text += &format!("warning: {warning}\n"));
     text
@@ -128,6 +136,9 @@ fn rounded(x: f32) -> f32 {
 
 /// Shapes of a glTF file: of the second mesh, and others.
 const SHAPES: &str = r#""extensions":{"OMI_physics_shape":{"shapes":[{"type":"convex","convex":{"mesh":1}},{"type":"trimesh","trimesh":{"mesh":1}},{"type":"box","box":{"size":[2,4,6]}},{"type":"capsule"},{"type":"capsule","capsule":{"radius":2,"height":3}}]}},"extensionsRequired":["OMI_physics_shape","OMI_physics_body"]"#;
+
+/// Accessors of the positions and indices of one triangle.
+const TRIANGLE: &str = r#""asset":{"version":"2.0"},"accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":3},{"bufferView":1,"componentType":5123,"type":"SCALAR","count":3}],"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":6}],"buffers":[{"byteLength":44,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIAAAA="}]"#;
 
 /// The bytes of a section of `imports.txt`.
 fn section_file(name: &str, text: &str) -> String {
@@ -142,7 +153,7 @@ fn section_file(name: &str, text: &str) -> String {
         let document = shapes::gltf::parts(&[("ring", &ring), ("prism", &prism)], "", "").text_with_data();
         let (_, meshes) = document.split_once(r#""meshes":"#).unwrap();
         let meshes = format!(r#""asset":{{"version":"2.0"}},"scene":0,"meshes":{meshes}"#);
-        return text.replace("MESHES}", &meshes).replace("SHAPES", SHAPES);
+        return text.replace("MESHES}", &meshes).replace("SHAPES", SHAPES).replace("TRIANGLE", TRIANGLE);
     }
     text
 }
