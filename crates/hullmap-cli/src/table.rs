@@ -19,13 +19,23 @@ pub enum Align {
 
 #[derive(Debug)]
 pub struct Table {
-    columns: Vec<(&'static str, Align)>,
+    columns: Vec<(String, Align)>,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    pub fn new(columns: &[(&'static str, Align)]) -> Self {
-        Self { columns: columns.to_vec(), rows: Vec::new() }
+    pub fn new(columns: &[(&str, Align)]) -> Self {
+        let columns = columns.iter().map(|(title, align)| ((*title).to_owned(), *align)).collect();
+        Self { columns, rows: Vec::new() }
+    }
+
+    /// A table of these columns, such as `file: | bytes`: a colon follows titles of texts.
+    pub fn headed(heads: &str) -> Self {
+        let column = |head| match str::strip_suffix(head, ":") {
+            Some(title) => (title, Align::Left),
+            None => (head, Align::Right),
+        };
+        Self::new(&heads.split(" | ").map(column).collect::<Vec<_>>())
     }
 
     pub fn push(&mut self, row: Vec<String>) {
@@ -45,10 +55,10 @@ impl Table {
             cells.chain([self.columns[column].0.len()]).max().unwrap_or(0)
         };
         let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
-        let heading: Vec<String> = self.columns.iter().map(|(title, _)| (*title).to_owned()).collect();
+        let heading: Vec<String> = self.columns.iter().map(|(title, _)| title.clone()).collect();
         for row in [&heading].into_iter().chain(&self.rows) {
             let mut line = String::new();
-            for ((cell, &width), &(title, align)) in row.iter().zip(&widths).zip(&self.columns) {
+            for ((cell, &width), (title, align)) in row.iter().zip(&widths).zip(&self.columns) {
                 if !line.is_empty() {
                     line.push_str("  ");
                 }
@@ -101,7 +111,7 @@ mod tests {
 
     #[test]
     fn columns_line_up() {
-        let mut table = Table::new(&[("file", Align::Left), ("bytes", Align::Right)]);
+        let mut table = Table::headed("file: | bytes");
         table.push(vec!["é".to_owned(), grouped(1_234_567)]);
         table.push(vec!["longer".to_owned(), or_dash(None::<u64>, grouped)]);
         let mut out = Vec::new();
@@ -112,7 +122,7 @@ mod tests {
 
     #[test]
     fn a_long_path_widens_its_own_row_only() {
-        let mut table = Table::new(&[("file", Align::Left), ("bytes", Align::Right)]);
+        let mut table = Table::headed("file: | bytes");
         let long = "x".repeat(1500);
         for name in ["short.obj", &long] {
             table.push(vec![name.to_owned(), "7".to_owned()]);

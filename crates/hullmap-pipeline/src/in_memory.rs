@@ -263,6 +263,7 @@ mod tests {
         }
         assert_eq!(error(&[("keep_triangles", "true")]), format!("option keep_triangles: {NO_PACK}"));
         assert!(error(&[("index", "oak")]).starts_with("invalid value oak of option index: expected one of tree,"));
+        assert!(error(&[("vhacd_fill", "flood")]).contains("V-HACD was removed"));
         assert!(error(&[("max_error", "1"), ("max_vertices", "8")]).contains("exclude each other"));
         assert!(error(&[("max_parts", "8")]).starts_with("max_parts has no effect without decompose"));
     }

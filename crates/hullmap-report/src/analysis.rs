@@ -8,7 +8,7 @@ use crate::census::{Census, census, direction_count, even_directions};
 use crate::display_mesh::{DisplayMesh, EncodedMesh, triangle_limit};
 use crate::gauss_map::{FACES, Face, GaussMap, gauss_map, resolution};
 use crate::html;
-use crate::index_reader::{Contents, ReadError};
+use crate::index_reader::Contents;
 use crate::input::{Frame, Input, Remarks, Up, Verification};
 use crate::part_colours::{COLOURS, assigned};
 use crate::picture::{picture, picture_of_parts};
@@ -162,10 +162,10 @@ impl Analysis {
     }
 }
 
-/// Fails if the pack's file cannot be read, or has changed since it was opened.
-pub fn analyse(input: Input) -> Result<Analysis, ReadError> {
+/// `None` if the pack is damaged, and was opened without its checks.
+pub fn analyse(input: Input) -> Option<Analysis> {
     let Input { path, pack, source, verification, remarks, polygons, excess, frame } = input;
-    let contents = Contents::read(path, pack)?;
+    let contents = Contents::of_pack(pack)?;
     let hull_count = pack.hull_count();
     let shown_count = hull_count.min(MAX_HULLS);
     let directions = even_directions(direction_count(shown_count));
@@ -185,7 +185,7 @@ pub fn analyse(input: Input) -> Result<Analysis, ReadError> {
         Some(source) => (Some(source.name), source.point_count, source.meshes),
         None => (None, 0, Vec::new()),
     };
-    Ok(Analysis {
+    Some(Analysis {
         file: path.display().to_string(),
         bytes: pack.byte_len(),
         format_version: pack.header().format_version,

@@ -1,12 +1,8 @@
 //! Reader of a hull's direction index: the leaf of a direction, by the rules of the runtime, but
 //! slow and simple.
 //!
-//! The runtime does not expose its index, so this reads the same words from the file's bytes, after
-//! the file has passed all checks. Directions are located as described in
-//! `docs/contributors/FORMAT.md`.
-
-use std::fs::File;
-use std::path::Path;
+//! The runtime does not expose its index, so this reads the same words from the bytes of the pack.
+//! Directions are located as described in `docs/contributors/FORMAT.md`.
 
 use hullmap::{Hull, Pack};
 use hullmap_format::{
@@ -23,18 +19,6 @@ use rkyv::util::AlignedVec;
 
 use crate::sizes::{Section, sections};
 
-/// Why the pack's file could not be read again.
-#[derive(Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "the messages explain the fields")]
-pub enum ReadError {
-    /// The file cannot be read.
-    #[error("{file}: cannot read: {error}; check the path")]
-    Io { file: String, error: std::io::Error },
-    /// The file is not the one that was opened.
-    #[error("{file}: the file changed while it was read; run the command again")]
-    Changed { file: String },
-}
-
 #[derive(Debug)]
 pub struct Contents {
     /// The direction index of each hull.
@@ -43,23 +27,11 @@ pub struct Contents {
 }
 
 impl Contents {
-    /// Fails if the file of a pack that has passed all checks cannot be read, or has changed.
-    pub fn read(path: &Path, pack: &Pack) -> Result<Self, ReadError> {
-        let file = || path.display().to_string();
-        let cannot_read = |error| ReadError::Io { file: file(), error };
-        let mut bytes = AlignedVec::<HEADER_LEN>::new();
-        bytes.extend_from_reader(&mut File::open(path).map_err(cannot_read)?).map_err(cannot_read)?;
-        Self::parse(&bytes, pack).ok_or_else(|| ReadError::Changed { file: file() })
-    }
-
-    /// Contents of an open pack, from a copy of its bytes, which can be read.
+    /// `None` if the pack is damaged, and was opened without its checks.
     pub fn of_pack(pack: &Pack) -> Option<Self> {
+        // Aligned as the archive requires.
         let mut bytes = AlignedVec::<HEADER_LEN>::new();
         bytes.extend_from_slice(pack.bytes());
-        Self::parse(&bytes, pack)
-    }
-
-    fn parse(bytes: &[u8], pack: &Pack) -> Option<Self> {
         let payload = bytes.get(HEADER_LEN..).unwrap_or_default();
         let archive = Sections::read(payload).ok()?;
         check::structure(&archive, payload).ok()?;

@@ -10,7 +10,7 @@ use crate::DisplayMesh;
 /// A pack and everything that was found out about it.
 #[derive(Debug)]
 pub struct Input<'a> {
-    /// The pack's file. Its bytes are read again for the words of its direction indices.
+    /// The pack's file, as the page names it.
     pub path: &'a Path,
     /// The pack, opened and checked.
     pub pack: &'a Pack,

@@ -57,7 +57,6 @@ pub use analysis::{Analysis, analyse};
 pub use display_mesh::DisplayMesh;
 pub use folder_page::{Card, folder_page};
 pub use gauss_map::gauss_map_json;
-pub use index_reader::ReadError;
 pub use input::Input;
 pub use pack_page::pack_page;
 pub use robot_page::robot_page;

@@ -25,10 +25,7 @@ pub fn cloud(count: usize) -> Vec<[f32; 3]> {
 pub fn baked(positions: Vec<[f32; 3]>, kind: IndexKind) -> (Pack, Contents) {
     let set = PointSet { name: "cloud".to_owned(), ..PointSet::of_positions(positions) };
     let bytes = write_pack(&[bake_hull(&set, kind).unwrap()], &SourceRecord::default()).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("cloud.hullmap");
-    std::fs::write(&path, &bytes).unwrap();
     let pack = Pack::from_bytes(&bytes).unwrap();
-    let contents = Contents::read(&path, &pack).unwrap();
+    let contents = Contents::of_pack(&pack).unwrap();
     (pack, contents)
 }

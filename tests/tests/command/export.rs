@@ -6,6 +6,7 @@ use std::fs;
 use hullmap::Pack;
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_testkit::command::bake_line as bake;
+use hullmap_testkit::files::workspace;
 use hullmap_testkit::packs::{self, point_set};
 
 /// A second opinion on GLB: the crate `gltf` validates the file.
@@ -38,4 +39,16 @@ fn glb_files_are_valid() {
         assert!(indices.iter().all(|index| (*index as usize) < hull.vertex_count()));
         assert_eq!(indices.len(), [1, 2, 6, 12][hull.rank() as usize], "{}", hull.name());
     }
+}
+
+/// The crate validates a file into which colliders are exported.
+#[test]
+fn glb_files_with_colliders_are_valid() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::copy(workspace().join("tests/cases/meshes/model.glb"), folder.path().join("m.glb")).unwrap();
+    bake(&folder, "build m.glb --split object --out . --quiet").expect(0);
+    bake(&folder, "export m.hullmap --into m.glb --for both --out out.glb").expect(0);
+    let document = gltf::Gltf::open(folder.path().join("out.glb")).unwrap();
+    assert_eq!(document.default_scene().unwrap().nodes().count(), 1);
+    assert!(document.nodes().len() > 4 && document.meshes().len() > 2);
 }

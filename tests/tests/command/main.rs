@@ -12,9 +12,7 @@ mod meshes;
 mod parts;
 mod pipeline;
 mod primitives;
-mod report;
 mod robot;
-mod scenes;
 mod surfaces;
 #[cfg(unix)]
 mod untrusted;

@@ -1,12 +1,12 @@
-//! Untrusted packs and names: packs that claim another source, and text that the command must not
-//! print.
+//! Untrusted packs: packs that claim another source, and warnings that the command must not print.
+//! `tests/cases/untrusted.md` has files and names.
 
 use std::fs;
 use std::path::Path;
 
 use hullmap_bake::{IndexKind, SourceRecord};
 use hullmap_format::header::{HEADER_LEN, Header, source_hash};
-use hullmap_testkit::command::{bake_in, bake_line as bake};
+use hullmap_testkit::command::bake_line as bake;
 use hullmap_testkit::files::folder;
 use hullmap_testkit::packs::{self, point_set};
 
@@ -19,85 +19,6 @@ fn write_tetrahedron(path: &Path, height: f32, warnings: Vec<String>) {
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, height]];
     fs::create_dir_all(path.parent().unwrap()).unwrap();
     fs::write(path, packs::bytes(&[point_set("x", &corners)], IndexKind::Tree, &record).unwrap()).unwrap();
-}
-
-/// Everything that a terminal obeys instead of showing it, in one name.
-const NAME: &str = "x\x1b[2J\x1b]0;t\x07\r\n9 forged\u{9b}31m\u{202e}\u{2066}\u{200f}\u{2028}é漢";
-
-/// [`NAME`] in one harmless line.
-const ESCAPED: &str =
-    "x\\u{1b}[2J\\u{1b}]0;t\\u{7}\\u{d}\\u{a}9 forged\\u{9b}31m\\u{202e}\\u{2066}\\u{200f}\\u{2028}é漢";
-
-#[track_caller]
-fn assert_harmless(text: &str) {
-    let obeyed = |letter: &char| {
-        letter.is_control() && *letter != '\n'
-            || ['\u{202e}', '\u{2066}', '\u{200f}', '\u{2028}', '\u{2029}'].contains(letter)
-    };
-    assert_eq!(text.chars().find(obeyed), None, "{text:?}");
-    assert!(!text.lines().any(|line| line.starts_with("9 forged")), "a forged row: {text:?}");
-}
-
-/// Names of files, objects and hulls reached the terminal as they were.
-#[test]
-fn names_cannot_control_the_terminal() {
-    let folder = folder(&[]);
-    let words = |line: &str| -> Vec<String> { line.split(' ').map(|word| word.replace("NAME", NAME)).collect() };
-    let obj =
-        CUBE.replacen("o cube", "o hull\x1b[31m\u{202e}", 1) + "o flat\u{9b}\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 5 6 7\n";
-    fs::create_dir_all(folder.path().join("in")).unwrap();
-    fs::write(folder.path().join("in").join(format!("{NAME}.obj")), obj).unwrap();
-    fs::write(folder.path().join("in").join(format!("{NAME}2.obj")), "v 0 0\n").unwrap();
-    fs::write(folder.path().join("in").join(format!("{NAME}.gltf")), "{}").unwrap();
-    fs::write(folder.path().join("poses"), "0 0 0 0 0 0 1\n").unwrap();
-    let mut seen = 0;
-    for line in [
-        "build in --out o --split object",
-        "build in --out o --split object --check",
-        "build in/NAME.obj in/NAME2.obj --out p --split object --verbose",
-        "build in/NAME.obj --out p --split object --verbose --verify",
-        "build gone/NAME --out p",
-        "build in/NAME2.obj --out p/NAME.hullmap",
-        "build in --out o --NAME",
-        "build in --out o --set index=NAME",
-        "build in --out o --config NAME",
-        "build in/NAME.obj --out p --depfile deps",
-        "inspect p",
-        "inspect in/NAME.obj",
-        "verify p",
-        "verify p --source in/NAME2.obj",
-        "verify p --source NAME",
-        "query p/NAME.hullmap p/NAME.hullmap",
-        "query p/NAME.hullmap#NAME p/NAME.hullmap",
-        "query p/NAME.hullmap p/NAME.hullmap --pose NAME",
-        "query p/NAME.hullmap p/NAME.hullmap --poses NAME",
-        "report p --out NAME.html",
-        "report p/NAME.hullmap --out page.html --source NAME",
-        "init NAME",
-    ] {
-        let run = bake_in(folder.path(), words(line));
-        assert_harmless(&run.stdout);
-        assert_harmless(&run.stderr);
-        seen += usize::from(run.stdout.contains(ESCAPED)) + usize::from(run.stderr.contains(ESCAPED));
-    }
-    assert!(seen >= 20, "{seen} outputs with the name");
-    // An orphan, whose name comes from a pack.
-    fs::remove_file(folder.path().join("in").join(format!("{NAME}.obj"))).unwrap();
-    for line in ["build in --out p", "build in --out p --prune"] {
-        let run = bake_in(folder.path(), words(line));
-        assert_harmless(&(run.stdout + &run.stderr));
-    }
-}
-
-#[test]
-fn json_keeps_every_character() {
-    let folder = folder(&[]);
-    fs::write(folder.path().join(format!("{NAME}.obj")), CUBE).unwrap();
-    for line in ["build . --out . --json", "inspect . --json", "verify . --json"] {
-        let row = bake_in(folder.path(), line.split(' ')).expect(0).json().remove(0);
-        let file = row["output"].as_str().or(row["file"].as_str()).unwrap();
-        assert_eq!(Path::new(file), Path::new("./").join(format!("{NAME}.hullmap")), "{line}");
-    }
 }
 
 /// A pack of another mesh that records the right source passes `--check`, and `verify` rejects it.

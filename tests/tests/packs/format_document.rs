@@ -2,7 +2,7 @@
 //! records, a look-up written from the document alone agrees with `hullmap::Pack` on packs of all
 //! shapes, and the file that the document lists is the one that is baked today.
 
-mod reader;
+pub mod reader;
 
 use std::{collections::BTreeMap, hash::Hasher, mem::offset_of, path::Path};
 
@@ -437,22 +437,23 @@ fn the_notes_on_the_root_hold() {
     assert!(sections.next().is_none());
 }
 
+/// Rows of the document's first table of fields after this text: offset, size, type and name.
+pub fn fields(after: &str) -> Vec<(usize, usize, &'static str, &'static str)> {
+    let (_, rest) = DOCUMENT.split_once(after).unwrap();
+    let table = rest.lines().skip_while(|line| !line.starts_with("| offset")).take_while(|line| line.starts_with('|'));
+    let row = |line: &'static str| {
+        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+        (cells[1].parse().unwrap(), cells[2].parse().unwrap(), cells[3], cells[4])
+    };
+    table.skip(2).map(row).collect()
+}
+
 /// The document's tables of the header and of records cover every byte, and each field of a record
 /// is where its table states.
 #[test]
 fn tables_state_the_layout() {
-    let rows = |after: &str| -> Vec<(usize, usize, &str)> {
-        let (_, rest) = DOCUMENT.split_once(after).unwrap();
-        let table =
-            rest.lines().skip_while(|line| !line.starts_with("| offset")).take_while(|line| line.starts_with('|'));
-        let row = |line: &'static str| {
-            let cells: Vec<&str> = line.split('|').map(str::trim).collect();
-            (cells[1].parse().unwrap(), cells[2].parse().unwrap(), cells[4])
-        };
-        table.skip(2).map(row).collect()
-    };
     let has_no_gaps = |heading: &str, size: usize| {
-        let end = rows(heading).into_iter().fold(0, |end, (offset, size, _)| {
+        let end = fields(heading).into_iter().fold(0, |end, (offset, size, ..)| {
             assert_eq!(offset, end, "{heading}");
             end + size
         });
@@ -464,7 +465,7 @@ fn tables_state_the_layout() {
             $({
                 has_no_gaps($heading, size_of::<$record>());
                 let found = [$((offset_of!($record, $field), stringify!($field))),+];
-                assert!(rows($heading).into_iter().map(|(offset, _, name)| (offset, name)).eq(found), $heading);
+                assert!(fields($heading).into_iter().map(|(offset, _, _, name)| (offset, name)).eq(found), $heading);
             })+
         };
     }

@@ -47,111 +47,12 @@ fn flags_set_build_options() {
 }
 
 #[test]
-fn wrong_arguments_exit_with_2() {
-    for words in [
-        "--set index=octree",
-        "--unit-scale 0",
-        "--up-axis x",
-        "--max-vertices 8 --max-error 1",
-        "--decompose=false --max-parts 8",
-        "--decompose --max-parts 0",
-        "--split group",
-        "--set=vertices=some",
-        "--jobs 0",
-        "--check --force",
-        "--check --depfile x",
-        "--quiet --verbose",
-        "--set",
-        "--set wall",
-        "--set wall=1% --set wall=2%",
-        "--set max_error=1 --max-error 1",
-        "--set depfile_target=x",
-        "--unknown",
-    ] {
-        assert_eq!(build(words), Err(2), "{words}");
-    }
-    for line in [
-        "bake",
-        "bake build",
-        "bake build a.obj",
-        "bake report x",
-        "bake verify",
-        "bake query a",
-        "bake verify x --directions 0",
-        "bake query a b --mode overlap",
-        "bake inspect a --color purple",
-    ] {
-        assert_eq!(parse(line.split_whitespace()).unwrap_err().exit_code(), 2, "{line}");
-    }
-    assert_eq!(parse(["bake", "--help"]).unwrap_err().exit_code(), 0);
-}
-
-#[test]
-fn poses_may_start_with_a_minus() {
+fn files_may_follow_switches_and_poses_start_with_a_minus() {
+    assert!(parse(["bake", "build", "--out", "o", "--decompose", "Cargo.toml"]).is_ok());
+    assert!(parse("bake build a -o o -j 2 -q".split(' ')).is_ok(), "short forms");
     let cli = parse(["bake", "query", "a", "b", "--pose", "-1 0 0 0 0 0 1", "--pose", "1 0 0 0 0 0 1"]).unwrap();
     let Command::Query(args) = cli.command else { unreachable!() };
     assert_eq!(args.poses.len(), 2);
-    for words in ["a b --pose -3 0 0 0 -0.5 0 1", "--pose -3 0 0 0 -0.5 0 1 a b --json"] {
-        let message = error(&format!("bake query {words}"));
-        assert!(message.contains("in quotes: --pose \"-3 0 0 0 -0.5 0 1\"") && message.contains("Usage"), "{message}");
-    }
-}
-
-/// `--decompose cover` was read as a mesh named `cover`, and `bake decompose` did not exist.
-#[test]
-fn natural_guesses_are_answered_with_the_right_name() {
-    for (line, tip) in [
-        ("bake coacd a.obj b.obj", "bake build MESH --out DIR --decompose"),
-        ("bake vhacd a.obj b.obj", "`bake decompose MESH OUT.obj`"),
-        ("bake decompose a b --concavity 1", "tip: use --max-error E"),
-        ("bake decompose a b --max-hulls 4", "tip: use --max-parts N"),
-        ("bake simplify a.obj", "--max-vertices N"),
-        ("bake info a.hullmap", "bake inspect"),
-        ("bake help", "bake --help"),
-        ("bake plan a --out o", "`bake farm`"),
-        ("bake build a --out o --shard 0/8", "`bake farm build --shard I/N`"),
-        ("bake terrain a.asc --out o", "`bake build FILE --out DIR --terrain`"),
-        ("bake build a --out o --simplify 8", "tip: use --max-vertices N"),
-        ("bake build a --out o --concavity=0.1", "tip: use --max-error E"),
-        ("bake build a --out o --recenter", "tip: use --set recentre=true"),
-        ("bake build a --output o", "tip: use --out"),
-        ("bake verify a --seed 3", "tip: use --set seed=VALUE"),
-        ("bake farm key a --parts 4", "tip: use --decompose --max-parts N"),
-        ("bake export a --engine unreal", "tip: use --for ENGINE"),
-        ("bake build a --out o --decompose true", "--decompose takes its value after `=`: --decompose=true"),
-        ("bake farm plan a --out o --set recentre true", "--set recentre=true"),
-    ] {
-        let message = error(line);
-        assert!(message.contains(tip) && message.contains("Usage"), "{line}: {message}");
-    }
-    let message = error("bake build a --out o --max-vertexes 8");
-    assert!(message.contains("--max-vertices"), "similar letters: {message}");
-    assert!(!error("bake inspect a --simplify").contains("--max-vertices"), "a flag of another subcommand");
-    let words = ["bake", "build", "--out", "o", "--decompose", "Cargo.toml"];
-    assert!(parse(words).is_ok(), "a file after a switch");
-    assert!(parse("bake build a -o o -j 2 -q".split(' ')).is_ok(), "short forms");
-}
-
-#[test]
-fn removed_options_name_what_to_use_instead() {
-    for words in ["--decompose=vhacd", "--decompose --set vhacd-resolution=32", "--vhacd-fill=flood"] {
-        let message = error(&format!("bake build a.obj --out o {words}"));
-        assert!(message.contains("V-HACD was removed; use decompose without a method"), "{message}");
-    }
-    for (words, instead) in [
-        ("--decompose=cover", "decompose takes no method"),
-        ("--index-budget 40", "choose a kind with index"),
-        ("--set index=cubemap --resolution=5", "choose a kind with index"),
-        ("--min-thickness 1%", "min_thickness was renamed; use wall"),
-        ("--wall 1%", "tip: use --set wall=VALUE"),
-        ("--for-engine jolt", "were renamed; use --for"),
-        ("--for godot", "tip: godot has no limits; `bake export --for godot` writes its files"),
-        ("--no-config", "tip: use --config none"),
-        ("--set wal=1%", "'--set wall'"),
-    ] {
-        let message = error(&format!("bake build a.obj --out o {words}"));
-        assert!(message.contains(instead), "{message}");
-    }
 }
 
 /// Errors in a line are printed in colour, too.
@@ -166,18 +67,6 @@ fn colours_are_known_before_a_line_is_parsed() {
         let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
         assert_eq!(color(&words), expected, "{line}");
     }
-}
-
-#[test]
-fn clashes_name_both_flags() {
-    let message = error("bake build a --out b --max-error 1 --max-vertices 9");
-    assert!(message.contains("--max-error and --max-vertices exclude each other"), "{message}");
-}
-
-#[test]
-fn wrong_values_list_the_accepted_ones() {
-    let message = error("bake build a --out b --split group");
-    assert!(message.contains("none, object, auto"), "{message}");
 }
 
 #[test]
@@ -235,27 +124,6 @@ fn help_fits_a_screen() {
     // Narrower terminals wrap the lines.
     let long: Vec<String> = commands.into_iter().cloned().map(|own| help(&mut own.term_width(120))).collect();
     assert!(long.concat().lines().all(|line| line.chars().count() <= 120), "{long:#?}");
-}
-
-#[test]
-fn wrong_arguments_show_the_usage_of_their_subcommand() {
-    for (line, usage) in [
-        ("bake build in --out o --max-parts 0", "Usage: bake build"),
-        ("bake farm plan in --out o --max-parts 0", "Usage: bake farm plan"),
-        ("bake farm key in --max-error 1 --max-vertices 9", "Usage: bake farm key"),
-        ("bake build in --out o --memory many", "Usage: bake build"),
-        ("bake build in --out o --set index=octree", "Usage: bake build"),
-        ("bake query a b --mode overlap", "Usage: bake query"),
-        ("bake build in", "Usage: bake build"),
-        ("bake build in --out o --max-error 1 --max-vertices 9", "Usage: bake build"),
-        ("bake verify x --directions 0", "Usage: bake verify"),
-        ("bake inspect", "Usage: bake inspect"),
-        ("bake query a", "Usage: bake query"),
-        ("bake completions", "Usage: bake completions"),
-    ] {
-        let message = error(line);
-        assert!(message.contains(usage), "{line}: {message}");
-    }
 }
 
 /// `hullmap --help` of the Python package printed `Usage: bake`.

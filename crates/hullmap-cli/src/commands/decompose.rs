@@ -16,7 +16,7 @@ use crate::args::DecomposeArgs;
 use crate::interrupt;
 use crate::progress::Progress;
 use crate::rows::Notes;
-use crate::table::{Align, Table};
+use crate::table::Table;
 use crate::terminal::{self, Output};
 use hullmap_bake::parts::estimates::DecomposedObject;
 use hullmap_geometry::number::grouped;
@@ -211,13 +211,7 @@ fn curves(args: &DecomposeArgs, out: &mut Output) -> Result<Exit, Failure> {
 }
 
 fn write_curves(found: &[MeshCurve], out: &mut Output) -> Result<(), Failure> {
-    let mut table = Table::new(&[
-        ("mesh", Align::Left),
-        ("parts", Align::Right),
-        ("vertices", Align::Right),
-        ("protrusion", Align::Right),
-        ("--max-error", Align::Right),
-    ]);
+    let mut table = Table::headed("mesh: | parts | vertices | protrusion | --max-error");
     for MeshCurve { name, diagonal, curve } in found {
         for row in curve {
             table.push(vec![

@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use crate::args::StatusArgs;
 use crate::rows::jobs_of_folders;
-use crate::table::{Align, Table, or_dash};
+use crate::table::{Table, or_dash};
 use crate::terminal::Output;
 use hullmap_geometry::number::grouped;
 use hullmap_pipeline::jobs::Job;
@@ -103,7 +103,7 @@ fn write_json(rows: &[Row], out: &mut Output) -> Result<(), Failure> {
 }
 
 fn write_table(rows: &[Row], shards: Option<u32>, out: &mut Output) -> Result<(), Failure> {
-    let mut table = Table::new(&[("status", Align::Left), ("pack", Align::Left), ("why", Align::Left)]);
+    let mut table = Table::headed("status: | pack: | why:");
     let mut incomplete: BTreeMap<u32, usize> = BTreeMap::new();
     let mut is_empty = true;
     for row in rows.iter().filter(|row| row.status != State::Present) {

@@ -1,5 +1,4 @@
-//! glTF files as exporters and converters write them: extensions, missing buffers, integers written
-//! as floats, primitive restart, version 1.0.
+//! glTF files as exporters and converters write them: extensions, missing buffers, primitive restart.
 
 use shapes::gltf;
 
@@ -39,20 +38,6 @@ impl Parts<'_> {
     }
 }
 
-/// Such files were rejected: "requires the extension KHR_techniques_webgl".
-#[test]
-fn required_extensions_without_geometry_are_accepted() {
-    let extra = r#""extensionsRequired":["KHR_techniques_webgl","KHR_blend","EXT_texture_webp","MSFT_lod"],"#;
-    assert_eq!(triangles(&Parts { extra, ..PLAIN }.glb(&triangle()).unwrap()), [[0, 1, 2]]);
-}
-
-/// The message began with "mesh 0, mesh 0: ".
-#[test]
-fn a_mesh_without_a_node_is_named_once() {
-    let primitive = r#"{"attributes":{"POSITION":7},"indices":1}"#;
-    fails(Parts { primitive, ..PLAIN }.glb(&triangle()), "a.glb: mesh 0: accessor 7 does not exist");
-}
-
 /// Views with a compressed copy by the extension were rejected.
 #[test]
 fn the_fallback_of_meshopt_compression_is_read() {
@@ -82,33 +67,6 @@ fn the_fallback_of_meshopt_compression_is_read() {
         let damaged = Parts { extra, views: &views, buffers: &buffers, ..PLAIN }.glb(&[0; 44]);
         fails(damaged, &format!("buffer view 0, compressed by {name}, is damaged"));
     }
-}
-
-/// Some exporters keep all numbers as floats. The parser rejected such files: "invalid type".
-#[test]
-fn integers_may_be_written_as_floats() {
-    let json = gltf::parts(
-        &[("cube", &shapes::solids::extrusion(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], 0.0, 1.0))],
-        r#"{"mesh":0,"children":[1]},{"mesh":0}"#,
-        "0",
-    )
-    .text_with_data();
-    let expected = import_file("a.gltf", &json, WHOLE).unwrap();
-    let mut floats = String::new();
-    for (at, piece) in json.split('"').enumerate() {
-        let is_text = at % 2 == 1;
-        let quote = if at == 0 { "" } else { "\"" };
-        floats += quote;
-        for word in piece.split_inclusive([',', '[', ']', '{', '}', ':']) {
-            let digits = word.trim_end_matches([',', '[', ']', '{', '}', ':']);
-            let is_integer = !is_text && !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit());
-            floats += &if is_integer { word.replacen(digits, &format!("{digits}.0"), 1) } else { word.to_owned() };
-        }
-    }
-    assert!(floats.matches(".0").count() > 20, "{floats}");
-    let imported = import_file("a.gltf", floats, WHOLE).unwrap();
-    assert_eq!(imported.point_sets[0].positions, expected.point_sets[0].positions);
-    assert_eq!(imported.faces, expected.faces);
 }
 
 /// A missing buffer of animations or images rejected the file.
@@ -205,22 +163,13 @@ fn the_restart_index_is_rejected_where_it_is_a_vertex_too() {
     assert_eq!(strip(0, &indices, 256, "").unwrap().point_count(), 7);
 }
 
-/// Numbers count from 1 in the order of the document, 0 is no material, and a reference that leads
-/// nowhere counts.
 #[test]
-fn primitives_have_the_materials_that_they_name() {
-    let materials = |extra: &str, names: &[&str]| {
-        let primitives: Vec<String> =
-            names.iter().map(|name| format!(r#"{{"attributes":{{"POSITION":0}},"indices":1{name}}}"#)).collect();
-        Parts { extra, primitive: &primitives.join(","), ..PLAIN }.glb(&triangle()).unwrap()
-    };
-    let extra = r#""materials":[{"name":"rock"},{},{"name":"grass"}],"#;
-    let imported = materials(extra, &[r#","material":2"#, "", r#","material":0.0"#, r#","material":9"#]);
-    assert_eq!(imported.materials.names(), ["rock", "", "grass"]);
-    assert_eq!(imported.materials.of_triangles(&imported.faces[0].ends), Some(vec![3, 0, 1, 0]));
-    assert_eq!(imported.materials.unknown_count(), 1);
-    // Materials of another form than expected do not stop a hull.
-    let imported = materials(r#""materials":{"name":7},"#, &[r#","material":"x""#, r#","material":null"#]);
-    assert_eq!((imported.materials.is_empty(), imported.materials.unknown_count()), (true, 1));
-    assert_eq!(imported.materials.of_triangles(&imported.faces[0].ends), Some(vec![]));
+fn colliders_count_against_the_limit_on_repetition() {
+    let collider = r#"{"extensions":{"KHR_physics_rigid_bodies":{"collider":{"geometry":{"mesh":1}}}}}"#;
+    let nodes = vec![collider; 30_000].join(",");
+    let roots = (0..30_000).map(|index| index.to_string()).collect::<Vec<_>>().join(",");
+    let text = section_file("a.gltf", &format!(r#"{{"scenes":[{{"nodes":[{roots}]}}],"nodes":[{nodes}],MESHES}}"#));
+    let (source, limits) =
+        (SourceFile::alone(text.into_bytes()), Limits { repeated_vertices: 10_000, ..Limits::DEFAULT });
+    fails(crate::import("a.gltf", "a", Path::new("a.gltf"), &source, &AUTO, &limits), "max_instanced");
 }

@@ -32,7 +32,7 @@ struct Case {
     is_faulty: bool,
 }
 
-fn text(text: String) -> SourceFile {
+fn text_file(text: String) -> SourceFile {
     SourceFile::alone(text.into_bytes())
 }
 
@@ -55,13 +55,22 @@ fn document(members: &str) -> SourceFile {
     SourceFile { beside: vec![("0.bin".to_owned(), vec![0; 64])], ..SourceFile::alone(bytes) }
 }
 
-/// [`document`] of a template, in which each text between two `@` stands for a list of `count`
-/// copies.
+/// A text with copies in place of each text between two `@`.
+fn expanded(text: &str, copies: impl Fn(&str) -> String) -> String {
+    let texts = text.split('@').enumerate();
+    texts.map(|(at, text)| if at % 2 == 0 { text.to_owned() } else { copies(text) }).collect()
+}
+
+fn grown(template: &str, count: usize) -> SourceFile {
+    let text = unescaped(template).replace("COUNT", &count.to_string()).replace("TWICE", &(2 * count).to_string());
+    text_file(expanded(&text, |piece| pieces(count, piece)))
+}
+
+/// A glTF file, or the members of a [`document`].
 fn listed(template: &str, count: usize) -> SourceFile {
-    let texts = template.replace("POINT", POINT).replace("MESH", MESH);
-    let texts = texts.split('@').enumerate();
-    let texts = texts.map(|(at, text)| if at % 2 == 0 { text.to_owned() } else { list(count, text) });
-    document(&texts.collect::<String>())
+    let text = template.replace("POINT", POINT).replace("MESH", MESH);
+    let text = expanded(&text, |piece| list(count, piece));
+    if text.starts_with('{') { text_file(text) } else { document(&text) }
 }
 
 const POINT: &str = r#""accessors":[{"componentType":5126,"type":"VEC3","count":1}]"#;
@@ -101,61 +110,13 @@ fn sparse(count: usize) -> SourceFile {
     source
 }
 
-fn ply(format: &str, vertex_count: usize, element: &str, count: usize, body: &str) -> SourceFile {
-    let vertex = if format.starts_with("binary") { "\0".repeat(12) } else { "0 0 0\n".to_owned() };
-    text(format!(
-        "ply\nformat {format} 1.0\nelement vertex {vertex_count}\nproperty float x\nproperty float y\nproperty float z\nelement {element} {count}\nproperty list {} int vertex_indices\nend_header\n{}{body}",
-        if format.starts_with("binary") { "uchar" } else { "int" },
-        vertex.repeat(vertex_count)
-    ))
-}
-
-const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
-
-const FACET: &str = "facet normal 0 0 0 outer loop vertex # 0 0 vertex # 1 0 vertex # 0 1 endloop endfacet\n";
-
-/// Texts of a start, a number of copies of a piece, and an end.
-fn texts() -> Vec<Case> {
-    let case = |name, file, count, [start, piece, end]: [&str; 3]| {
-        let [start, piece, end] = [start, piece, end].map(str::to_owned);
-        let source = Box::new(move |count| text(format!("{start}{}{end}", pieces(count, &piece))));
-        Case { name, file, count, source, is_faulty: false }
-    };
-    let solid = format!("solid s\n{FACET}");
-    let faulty = case("OBJ faults", "a.obj", 16_384, ["", "f 9\n", "v 0 0 0\n"]);
-    let version_1 = ["{\"nodes\":{", "\"n#\":{\"meshes\":[\"m\"]},", "\"n\":{}},\"meshes\":{}}"];
-    let version_1 = case("glTF 1.0 nodes", "a.gltf", 16_384, version_1);
-    vec![
-        Case { is_faulty: true, ..faulty },
-        Case { is_faulty: true, ..version_1 },
-        case("OBJ vertices", "a.obj", 16_384, ["", "v # 0 1\n", ""]),
-        case("OBJ faces", "a.obj", 16_384, ["v 0 0 0\n", "f 1 1 1\n", ""]),
-        case("OBJ objects", "a.obj", 8_192, ["v 0 0 0\n", "o o#\np 1\n", ""]),
-        case("OBJ objects of one name", "a.obj", 8_192, ["v 0 0 0\n", "o o\np 1\n", ""]),
-        case("OBJ corners of a face", "a.obj", 65_536, ["v 0 0 0\nf", " 1", "\n"]),
-        case("OBJ continuations", "a.obj", 32_768, ["v 0 0 0\nf 1", " \\\n1", "\n"]),
-        case("OBJ groups", "a.obj", 16_384, ["v 0 0 0\n", "g g#\np 1\n", ""]),
-        case("OBJ weights", "a.obj", 16_384, ["", "v # 0 1 2\n", ""]),
-        case("OBJ comments", "a.obj", 65_536, ["v 0 0 0\n", "# remark #\n", ""]),
-        case("OBJ bytes of a name", "a.obj", 524_288, ["v 0 0 0\no ", "n", "\np 1\n"]),
-        case("STL facets", "a.stl", 8_192, ["solid a\n", FACET, "endsolid\n"]),
-        case("STL solids", "a.stl", 4_096, ["", &solid, ""]),
-        case(
-            "STL corners of a facet",
-            "a.stl",
-            16_384,
-            ["solid a\nfacet normal 0 0 0 outer loop", "\nvertex # 0 0", "\nendloop endfacet\n"],
-        ),
-        case("PLY elements", "a.ply", 16_384, [PLY, "element e# 0\n", "end_header\n0 0 0\n"]),
-    ]
-}
-
-/// glTF texts with lists of a number of copies: name, number and template.
-fn documents() -> impl Iterator<Item = Case> {
-    include_str!("growing_gltf.txt").lines().map(|row| {
-        let [name, count, template] = row.split(" | ").collect::<Vec<_>>()[..] else { panic!("{row}") };
-        let source = Box::new(move |count| listed(template, count));
-        Case { name, file: "a.gltf", count: count.parse().unwrap(), source, is_faulty: false }
+/// The rows of `growing.txt`.
+fn texts() -> impl Iterator<Item = Case> {
+    rows(include_str!("growing.txt")).map(|row| {
+        let [name, file, count, text] = row[..] else { panic!("{row:?}") };
+        let (file, is_faulty) = file.split_once(' ').map_or((file, false), |(file, _)| (file, true));
+        let source = Box::new(move |count| if file == "a.gltf" { listed(text, count) } else { grown(text, count) });
+        Case { name, file, count: count.parse().unwrap(), source, is_faulty }
     })
 }
 
@@ -175,24 +136,14 @@ fn cases() -> Vec<Case> {
             let nodes: Vec<String> = (1..count).map(|child| format!(r#"{{"children":[{child}]}}"#)).collect();
             document(&format!(r#"{POINT},{MESH},"nodes":[{},{{"mesh":0}}]"#, nodes.join(",")))
         }),
-        case("OBJ continuations of a long word", "a.obj", 32_768, |count| {
-            text(format!("v 0 0 0\n{}{}\n", "x".repeat(4 * count), pieces(count, "\\\n")))
-        }),
         case("OBJ blank lines behind a continuation", "a.obj", 65_536, |count| {
             // Longer than a part, so that the cut falls on the blank lines.
             let long = " ".repeat(crate::obj::PART_BYTES);
-            text(format!("v 0 0 0\n#{long}\\{}", "\n".repeat(count)))
+            text_file(format!("v 0 0 0\n#{long}\\{}", "\n".repeat(count)))
         }),
         case("OBJ in UTF-16", "a.obj", 16_384, |count| {
             let text = format!("\u{FEFF}{}", pieces(count, "v # 0 1\n"));
             SourceFile::alone(text.encode_utf16().flat_map(u16::to_le_bytes).collect())
-        }),
-        case("PLY vertices", "a.ply", 16_384, |count| {
-            let header = PLY.replace("vertex 1", &format!("vertex {count}"));
-            text(header + "end_header\n" + &pieces(count, "# 0 1\n"))
-        }),
-        case("PLY properties", "a.ply", 16_384, |count| {
-            text(format!("{PLY}{}end_header\n0 0 0{}", pieces(count, "property float a#\n"), pieces(count, " 1")))
         }),
         case("glTF vertices", "a.gltf", 16_384, |count| indexed(4, count, |_| 0)),
         case("glTF corners of a strip", "a.gltf", 16_384, |count| indexed(5, count, |at| at as u16 % 100)),
@@ -215,34 +166,8 @@ fn cases() -> Vec<Case> {
         case("binary STL of bytes behind the triangles", "a.stl", 524_288, |count| {
             SourceFile::alone([soup(2), vec![0; count]].concat())
         }),
-        case("PLY faces", "a.ply", 16_384, |count| ply("ascii", 1, "face", count, &pieces(count, "3 0 0 0\n"))),
-        case("PLY corners of a face", "a.ply", 65_536, |count| {
-            ply("ascii", 1, "face", 1, &format!("{count}{}", pieces(count, " 0")))
-        }),
-        case("PLY corners of a strip", "a.ply", 65_536, |count| {
-            ply("ascii", 1, "tristrips", 1, &format!("{count}{}", pieces(count / 2, " 0 -1")))
-        }),
-        case("PLY numbers of a list that is skipped", "a.ply", 65_536, |count| {
-            ply("ascii", 1, "other", 1, &format!("{count}{}", pieces(count, " 0")))
-        }),
-        case("PLY lines with surplus values", "a.ply", 16_384, |count| {
-            ply("ascii", 1, "face", count, &pieces(count, "3 0 0 0 9 9\n"))
-        }),
-        case("PLY instances in one line", "a.ply", 16_384, |count| {
-            ply("ascii", 1, "face", count, &pieces(count, "3 0 0 0 "))
-        }),
-        case("PLY blank lines", "a.ply", 65_536, |count| {
-            ply("ascii", 1, "face", 2, &format!("3 0 0 0\n{}3 0 0 0", pieces(count, " \n")))
-        }),
-        case("PLY header lines", "a.ply", 16_384, |count| {
-            ply(&format!("ascii 1.0\n{}format ascii", pieces(count, "comment #\nunknown #\n")), 1, "face", 0, "")
-        }),
-        case("binary PLY faces", "a.ply", 32_768, |count| {
-            let body = "\u{3}\0\0\0\0\0\0\0\0\0\0\0\0".repeat(count);
-            ply("binary_little_endian", 1, "face", count, &body)
-        }),
     ];
-    texts().into_iter().chain(documents()).chain(others).collect()
+    texts().chain(others).collect()
 }
 
 /// Time of repeated imports in one thread, whether it succeeds or fails.

@@ -7,7 +7,6 @@ mod gltf;
 mod growth;
 mod limits;
 mod meshopt;
-mod physics;
 
 use std::path::Path;
 
@@ -37,9 +36,7 @@ fn outline(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[[u32; 3]; 3]> {
 }
 
 const WHOLE: ImportOptions = ImportOptions::DEFAULT;
-const WHOLE_ALL: ImportOptions = ImportOptions { vertices: Vertices::All, ..WHOLE };
 const OBJECTS: ImportOptions = ImportOptions { split: Split::Object, ..WHOLE };
-const OBJECTS_ALL: ImportOptions = ImportOptions { vertices: Vertices::All, ..OBJECTS };
 const AUTO: ImportOptions = ImportOptions { split: Split::Auto, ..WHOLE };
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -54,10 +51,6 @@ fn import_file(name: &str, bytes: impl AsRef<[u8]>, options: ImportOptions) -> R
 
 fn import_source(name: &str, source: &SourceFile, options: ImportOptions) -> Result<Imported, ImportError> {
     super::import(name, "shape", Path::new(name), source, &options, &Limits::DEFAULT)
-}
-
-fn import(text: impl AsRef<[u8]>, options: ImportOptions) -> Imported {
-    import_file("shape.obj", text, options).unwrap()
 }
 
 /// Asserts that an import failed with a message of some words.
@@ -102,14 +95,112 @@ fn damaged_texts_are_errors_with_their_place() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-fn vertices(text: impl AsRef<[u8]>) -> Vec<u32> {
-    let imported = import(text, WHOLE);
-    assert_eq!(names(&imported), ["shape"]);
-    imported.point_sets[0].source_vertices.clone()
+/// The import of a file, as `imports.txt` has it.
+fn described(imported: &Imported) -> String {
+    let mut text = String::new();
+    for (set, faces) in imported.point_sets.iter().zip(&imported.faces) {
+        text += &set.name;
+        set.stands_for.iter().for_each(|body| text += &format!(" for {}", body.name));
+        if set.positions.len() > 9 {
+            let bound = |choose: fn(f32, f32) -> f32| {
+                [0, 1, 2].map(|axis| rounded(set.positions.iter().map(|point| point[axis]).reduce(choose).unwrap()))
+            };
+            text += &format!(": {} points, {:?} to {:?}\n", set.positions.len(), bound(f32::min), bound(f32::max));
+            continue;
+        }
+        let vertices = set.source_vertices.iter().zip(&set.positions);
+        text += &vertices.map(|(vertex, at)| format!("; {vertex} at {at:?}")).collect::<String>();
+        let triangles = faces.triangles(&set.positions);
+        text += &if triangles.is_empty() { "\n".to_owned() } else { format!("; triangles {triangles:?}\n") };
+    }
+    for (name, count) in [("unreferenced", imported.unreferenced_count), ("duplicate", imported.duplicate_count)] {
+        text += &if count > 0 { format!("{name}: {count}\n") } else { String::new() };
+    }
+    let materials = imported.materials.names();
+    if !materials.is_empty() || imported.materials.unknown_count() > 0 {
+        let of_triangles = imported.materials.of_triangles(&imported.faces[0].ends);
+        text += &format!(
+            "materials: {materials:?}, of triangles {of_triangles:?}, {} unknown\n",
+            imported.materials.unknown_count()
+        );
+    }
+    imported.notes.iter().for_each(|note| text += &format!("note: {note}\n"));
+    imported.warnings.iter().for_each(|warning| text += &format!("warning: {warning}\n"));
+    text
 }
 
-fn square_with(lines: &str) -> String {
-    format!("{SQUARE}{lines}")
+/// Sines differ between machines in their last digits.
+fn rounded(x: f32) -> f32 {
+    (x * 1e4).round() / 1e4 + 0.0
+}
+
+/// Shapes of a glTF file: of the second mesh, and others.
+const SHAPES: &str = r#""extensions":{"OMI_physics_shape":{"shapes":[{"type":"convex","convex":{"mesh":1}},{"type":"trimesh","trimesh":{"mesh":1}},{"type":"box","box":{"size":[2,4,6]}},{"type":"capsule"},{"type":"capsule","capsule":{"radius":2,"height":3}}]}},"extensionsRequired":["OMI_physics_shape","OMI_physics_body"]"#;
+
+/// Accessors of the positions and indices of one triangle.
+const TRIANGLE: &str = r#""asset":{"version":"2.0"},"accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":3},{"bufferView":1,"componentType":5123,"type":"SCALAR","count":3}],"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":6}],"buffers":[{"byteLength":44,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIAAAA="}]"#;
+
+/// The bytes of a section of `imports.txt`.
+fn section_file(name: &str, text: &str) -> String {
+    let text = text.replace('␍', "\r") + "\n";
+    if name.ends_with(".dae") {
+        let lines = text.lines().filter_map(|line| line.split_once(' '));
+        return lines.fold(include_str!("cube.dae").to_owned(), |file, (word, own)| file.replace(word, own));
+    }
+    if name.ends_with(".gltf") {
+        let ring = solids::extrusion(&solids::regular_polygon(12, 2.0), 0.0, 1.0);
+        let prism = solids::extrusion(&solids::regular_polygon(5, 1.0), -0.5, 0.5);
+        let document = shapes::gltf::parts(&[("ring", &ring), ("prism", &prism)], "", "").text_with_data();
+        let (_, meshes) = document.split_once(r#""meshes":"#).unwrap();
+        let meshes = format!(r#""asset":{{"version":"2.0"}},"scene":0,"meshes":{meshes}"#);
+        return text.replace("MESHES}", &meshes).replace("SHAPES", SHAPES).replace("TRIANGLE", TRIANGLE);
+    }
+    text
+}
+
+/// Rows of a text below its head, cut into columns.
+fn rows(text: &'static str) -> impl Iterator<Item = Vec<&'static str>> {
+    text.split_once("\n\n").unwrap().1.lines().map(|row| row.split(" | ").collect())
+}
+
+/// A text with the escapes of JSON, and with quotes as they are.
+fn unescaped(text: &str) -> String {
+    serde_json::from_str(&format!("\"{}\"", text.replace('"', "\\\"")))
+        .unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+#[test]
+fn files_have_the_imports_that_stand_below_them() {
+    let sections: Vec<&str> = include_str!("imports.txt").split("\n=== ").skip(1).collect();
+    assert!(sections.len() > 75, "{}", sections.len());
+    let mut wrong = Vec::new();
+    for section in sections {
+        let (head, rest) = section.split_once('\n').unwrap();
+        let (text, expected) = rest.split_once("\n---\n").unwrap();
+        let mut words = head.split_once(": ").unwrap().0.split(", ");
+        let (name, mut options) = (words.next().unwrap(), WHOLE);
+        for word in words {
+            match word {
+                "split object" => options.split = Split::Object,
+                "split auto" => options.split = Split::Auto,
+                "vertices all" => options.vertices = Vertices::All,
+                "recentre" => options.recentre = true,
+                _ => panic!("{head}"),
+            }
+        }
+        let found = import_file(name, section_file(name, text), options);
+        let found = found.map_or_else(|error| format!("error: {error}\n"), |imported| described(&imported));
+        if found.trim_end() != expected.trim_end() {
+            wrong.push(format!("=== {head}\n{text}\n---\n{found}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+fn vertices(text: impl AsRef<[u8]>) -> Vec<u32> {
+    let imported = import_file("shape.obj", text, WHOLE).unwrap();
+    assert_eq!(names(&imported), ["shape"]);
+    imported.point_sets[0].source_vertices.clone()
 }
 
 fn names(imported: &Imported) -> Vec<&str> {
@@ -135,72 +226,8 @@ fn sets_of(imported: &Imported) -> Vec<(&str, &[u32])> {
 }
 
 #[test]
-fn elements_select_the_vertices_that_they_reference() {
-    let with = square_with;
-    for (text, expected) in [
-        (with("f 1 2 3\n"), &[0, 1, 2][..]),
-        (with("f 4 3 2 1\n"), &[0, 1, 2, 3]),
-        (with("v 2 2 2\nv 3 3 3\nf 1 2 3 4 5\n"), &[0, 1, 2, 3, 4]),
-        (with("f 1/1 2/ 3//\n"), &[0, 1, 2]),
-        (with("vt 0 0\nvn 0 0 1\nf 1/1/1 2//1 +4/1\n"), &[0, 1, 3]),
-        // Negative references count from their line, others may point ahead.
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 9 9 9\n".into(), &[0, 1, 2]),
-        ("v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3//-1 -2//-1 -1//-1\n".into(), &[1, 2, 3]),
-        ("f 1 2 3\no later\nv 0 0 0\nv 1 0 0\nv 0 1 0\n".into(), &[0, 1, 2]),
-        // Points and lines.
-        (with("p 2\n"), &[1]),
-        (with("p 2 -1\nl 1 2/1\n"), &[0, 1, 3]),
-        (with("l 1 2 3\n"), &[0, 1, 2]),
-        ("v 1 2 3".into(), &[0]),
-        // Continued lines. Comments and names that end in a backslash do not continue.
-        ("v 0 \\\n0 0\nv 1 0 0\r\nv 1 1 0\nf 1 \\ \r\n 2 \\\n\\\n3\n".into(), &[0, 1, 2]),
-        (with("f 1 2 3 \\"), &[0, 1, 2]),
-        ("# C:\\meshes\\\nv 0 0 0\no C:\\\nv 1 0 0\nusemtl a\\\nv 2 0 0\nmtllib b\\\nf 1 2 3\n".into(), &[0, 1, 2]),
-        ("#v 9 9 9\n# f 1\nv 0 0 0 # here\nv 1 0 0 #\nl 1 2 #3\n".into(), &[0, 1]),
-        // Materials, and lines without effect on a hull.
-        (with("mtllib nowhere.mtl\nusemtl gold\nf 1 2 3\nusemtl\nf 1 3 4\n"), &[0, 1, 2, 3]),
-        (with("vt x\nvn\nvn nan nan nan\nvt 0 0\nf 1/9/-9 2/-77 3\nsomething else\n"), &[0, 1, 2]),
-    ] {
-        assert_eq!(vertices(&text), expected, "{text:?}");
-    }
-    assert_eq!(vertices(b"# caf\xE9 \xFF\no stra\xDFe\nv 0 0 0\nv 1 0 0\n# \xE9\nl 1 2\n"), [0, 1]);
-}
-
-#[test]
-fn positions_are_parsed_to_the_nearest_float() {
-    let imported = import("v 0.1 -2.5e-3 16777217\nv +1 .5 5.\nv -0 1e-50 3.4028235e38\n", WHOLE);
-    assert_eq!(imported.point_sets[0].positions[0], [0.1, -0.0025, 16777216.0]);
-    assert_eq!(imported.point_sets[0].positions[1], [1.0, 0.5, 5.0]);
-    assert_eq!(imported.point_sets[0].positions[2].map(f32::to_bits), [-0.0, 0.0, f32::MAX].map(f32::to_bits));
-}
-
-#[test]
-fn a_bare_cloud_takes_every_vertex() {
-    let imported = import(SQUARE, WHOLE);
-    assert_eq!(imported.point_sets[0].source_vertices, [0, 1, 2, 3]);
-    assert_eq!(imported.unreferenced_count, 4);
-    has_note(&imported, "point cloud");
-}
-
-#[test]
-fn unreferenced_vertices_are_counted_and_left_out() {
-    let text = square_with("f 1 2 3\n");
-    let imported = import(&text, WHOLE);
-    assert_eq!((imported.vertex_count, imported.unreferenced_count, imported.point_count()), (4, 1, 3));
-    has_note(&imported, "1 vertex that no element");
-    assert_eq!(import(&text, WHOLE_ALL).point_sets[0].source_vertices, [0, 1, 2, 3]);
-}
-
-#[test]
-fn duplicates_are_kept_and_counted() {
-    let imported = import("v 0 0 0\nv 1 0 0\nv -0 0 0\nv 1 0 0\nv 7 7 7\nv 7 7 7\nf 1 2 3\nl 3 4\n", WHOLE);
-    assert_eq!(imported.point_sets[0].source_vertices, [0, 1, 2, 3]);
-    assert_eq!(imported.duplicate_count, 2);
-}
-
-#[test]
 fn every_line_ending_and_blank() {
-    let unix = square_with("f 1 2 3\n");
+    let unix = format!("{SQUARE}f 1 2 3\n");
     for text in [
         unix.replace('\n', "\r\n"),
         unix.replace('\n', "\r"),
@@ -208,35 +235,13 @@ fn every_line_ending_and_blank() {
         unix.replace(' ', "\t "),
         unix.replace("v ", " \tv "),
         unix.trim_end().to_owned(),
+        format!("{} \\", unix.trim_end()),
         format!("\u{FEFF}{unix}"),
         format!("\u{FEFF}{}", unix.replace('\n', "\r\n")),
     ] {
         assert_eq!(vertices(&text), [0, 1, 2], "{text:?}");
     }
-}
-
-#[test]
-fn colours_and_weights() {
-    let imported = import("v 1 2 3 0.5 0.5 0.5\nv 1 2 3\nv 1 2 3 r g b\nv 1 2 3 1.0\nf 1 2 3 4\n", WHOLE);
-    assert_eq!(imported.point_sets[0].positions, [[1.0, 2.0, 3.0]; 4]);
-    assert!(!imported.warnings.iter().any(|text| text.contains("weight")), "{:?}", imported.warnings);
-}
-
-/// Points were divided by their weights without a message: a cube of 2 units became one of 20.
-#[test]
-fn weights_are_ignored_with_one_warning() {
-    let text = "v 1 2 3 1\nv 1 2 3 0.1\nv 1 2 3 0\nv 1 2 3 nan\nv 1 2 3\n";
-    for options in [WHOLE, ImportOptions { recentre: true, ..WHOLE }] {
-        let imported = import(text, options);
-        let set = &imported.point_sets[0];
-        assert!(set.positions.iter().all(|&position| position == set.positions[0]), "{:?}", set.positions);
-        let [warning] = imported.warnings.iter().filter(|text| text.contains("weight")).collect::<Vec<_>>()[..] else {
-            panic!("{:?}", imported.warnings)
-        };
-        assert!(warning.starts_with("line 2: 3 vertices have a weight"), "{warning}");
-    }
-    assert_eq!(import(text, WHOLE).point_sets[0].positions, [[1.0, 2.0, 3.0]; 5]);
-    assert!(import("v 1 2 3 5\n", WHOLE).warnings[0].starts_with("line 1: 1 vertex has a weight"));
+    assert_eq!(vertices(b"# caf\xE9 \xFF\no stra\xDFe\nv 0 0 0\nv 1 0 0\n# \xE9\nl 1 2\n"), [0, 1]);
 }
 
 /// Windows PowerShell writes `>` as UTF-16.
@@ -246,7 +251,7 @@ fn utf_16_with_a_byte_order_mark_is_decoded() {
     let units: Vec<u16> = std::iter::once(0xFEFF).chain(text.encode_utf16()).collect();
     for bytes in [u16::to_le_bytes, u16::to_be_bytes] {
         let bytes = |units: &[u16]| units.iter().flat_map(|&unit| bytes(unit)).collect::<Vec<u8>>();
-        let imported = import(bytes(&units[..units.len() - 7]), OBJECTS);
+        let imported = import_file("a.obj", bytes(&units[..units.len() - 7]), OBJECTS).unwrap();
         assert_eq!(sets_of(&imported), [("é 😀", &[0, 1][..])]);
         fails(import_file("a.obj", bytes(&units), WHOLE), "a.obj:5: `v` has 2 of 3 coordinates");
         fails(import_file("a.obj", bytes(&units[..1]), WHOLE), "a.obj: the file is empty");
@@ -266,52 +271,4 @@ fn odd_bytes_and_ends_of_obj_files_are_errors() {
     }
     let long = import_file("a.obj", format!("v 0 0 {}\n", "x".repeat(5000)), WHOLE).unwrap_err().to_string();
     assert!(long.len() < 200, "{long}");
-}
-
-#[test]
-fn faces_of_two_vertices_are_elements_with_a_note() {
-    let imported = import(square_with("f 1 2\n"), WHOLE);
-    assert_eq!(imported.point_sets[0].source_vertices, [0, 1]);
-    has_note(&imported, "fewer than 3");
-}
-
-const TWO: &str =
-    "v 9 9 9\no left\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no empty\no right\nv 5 0 0\nv 5 1 0\nf -1 -2 3\n";
-
-#[test]
-fn objects_become_point_sets() {
-    let imported = import(TWO, OBJECTS);
-    assert_eq!(sets_of(&imported), [("left", &[0, 1, 2][..]), ("right", &[2, 4, 5][..])]);
-    assert_eq!(imported.point_sets[1].positions, [[1.0, 0.0, 0.0], [5.0, 0.0, 0.0], [5.0, 1.0, 0.0]]);
-    assert_eq!(imported.unreferenced_count, 1);
-    has_note(&imported, "skipped: 1 (empty)");
-    assert_eq!(vertices(TWO), [0, 1, 2, 4, 5]);
-}
-
-#[test]
-fn unreferenced_vertices_belong_to_the_object_that_declares_them() {
-    assert_eq!(sets_of(&import(TWO, OBJECTS_ALL)), [("left", &[0, 1, 2, 3][..]), ("right", &[2, 4, 5][..])]);
-    let cloud = "v 0 0 0\no a\nv 1 0 0\no b\nv 2 0 0\n";
-    for options in [OBJECTS, OBJECTS_ALL] {
-        assert_eq!(sets_of(&import(cloud, options)), [("shape", &[0][..]), ("a", &[1][..]), ("b", &[2][..])]);
-    }
-}
-
-#[test]
-fn object_names() {
-    let text = "v 0 0 0\np 1\no\np 1\no  two words \np 1\no two words\np 1\n\to\tx#1\np 1\n";
-    assert_eq!(names(&import(text, OBJECTS)), ["shape", "shape_2", "two words", "two words_2", "x#1"]);
-}
-
-#[test]
-fn groups_are_not_objects() {
-    let imported = import(square_with("g one\nf 1 2 3\ng two\nf 1 3 4\n"), OBJECTS);
-    assert_eq!(sets_of(&imported), [("shape", &[0, 1, 2, 3][..])]);
-    has_note(&imported, "groups");
-}
-
-#[test]
-fn free_form_surfaces_are_noted() {
-    let imported = import(square_with("p 1\ncstype bezier\nsurf 0 1 0 1 1 2 3 4\n"), WHOLE);
-    has_note(&imported, "line 7: free-form");
 }

@@ -44,64 +44,9 @@ fn read_bounded(path: &Path) -> io::Result<String> {
 
 #[cfg(test)]
 mod tests {
-    use hullmap_bake::IndexKind;
-
     use super::*;
     use crate::options::table::{OPTIONS, Scope};
     use crate::options::{BuildOptions, OptionLayer, name, template};
-    use hullmap_bake::simplify::Limit;
-    use hullmap_import::Split;
-
-    const TEXT: &str = r#"
-[defaults]
-index = "compact"
-split = "object"
-
-[[rule]]
-files = "props/**"
-unit_scale = 0.01
-
-[[rule]]
-files = ["*_col.obj", "props/big/*.glb"]
-split = "none"
-max_vertices = 64
-
-[[rule]]
-files = "props/big/exact_col.obj"
-max_vertices = "none"
-index = "cubemap"
-"#;
-
-    fn options(config: &Config, place: &str) -> BuildOptions {
-        let place = Path::new(place);
-        config.layer(Some(place), Path::new(place.file_name().unwrap())).resolve()
-    }
-
-    #[test]
-    fn later_rules_win_over_earlier_ones_and_over_defaults() {
-        let config = parse::parse(Path::new("hullmap.toml"), TEXT).unwrap();
-        let plain = options(&config, "rock.obj");
-        assert_eq!((plain.index(), plain.import().split), (IndexKind::Compact, Split::Object));
-        assert_eq!((plain.import().unit_scale, plain.simplify(1.0)), (1.0, None));
-        assert_eq!(options(&config, "props/deep/er/x.obj").import().unit_scale, 0.01);
-        assert_eq!(options(&config, "other/props/x.obj").import().unit_scale, 1.0, "globs are relative to the file");
-        let collider = options(&config, "a/b/x_col.obj");
-        assert_eq!((collider.import().split, collider.simplify(1.0)), (Split::None, Some(Limit::Vertices(64))));
-        assert_eq!(options(&config, "a/b/X_COL.OBJ"), collider, "case is ignored");
-        assert_eq!(options(&config, "props/big/x.glb").simplify(1.0), Some(Limit::Vertices(64)));
-        assert_eq!(options(&config, "props/big/deep/x.glb").simplify(1.0), None, "a star stays within its folder");
-        let exact = options(&config, "props/big/exact_col.obj");
-        assert_eq!((exact.simplify(1.0), exact.import().unit_scale), (None, 0.01));
-        assert_eq!((exact.index(), exact.import().split), (IndexKind::CubeMap { resolution: 64 }, Split::None));
-    }
-
-    #[test]
-    fn only_globs_of_names_match_meshes_outside_the_folder() {
-        let config = parse::parse(Path::new("hullmap.toml"), TEXT).unwrap();
-        let layer = |name: &str| config.layer(None, Path::new(name)).resolve();
-        assert_eq!(layer("x_col.obj").simplify(1.0), Some(Limit::Vertices(64)));
-        assert_eq!(layer("exact_col.obj").simplify(1.0), Some(Limit::Vertices(64)));
-    }
 
     #[test]
     fn the_template_lists_every_option_at_its_default() {

@@ -246,72 +246,16 @@ fn canonical(folder: &Path) -> Result<PathBuf, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::options::value::Value;
 
-    fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
+    #[test]
+    fn a_file_is_read_once() {
         let folder = tempfile::tempdir().unwrap();
-        for (name, text) in files {
-            let path = folder.path().join(name);
-            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-            std::fs::write(path, text).unwrap();
-        }
-        folder
-    }
-
-    fn scale(configs: &mut Configs, root: &Path, mesh: &str) -> Option<f64> {
-        match configs.layer(&root.join(mesh)).unwrap().layer.get("unit_scale") {
-            Some(Value::Number(scale)) => Some(scale),
-            _ => None,
-        }
-    }
-
-    const FILES: [(&str, &str); 5] = [
-        ("hullmap.toml", "[defaults]\nunit_scale = 1\n"),
-        ("repo/assets/hullmap.toml", "[defaults]\nunit_scale = 2\n[[rule]]\nfiles = \"deep/*.obj\"\nunit_scale = 3\n"),
-        ("repo/.git/HEAD", ""),
-        ("repo/assets/deep/er/x.obj", ""),
-        ("repo/other/x.obj", ""),
-    ];
-
-    #[test]
-    fn the_nearest_file_up_to_the_root_is_used() {
-        let folder = folder(&FILES);
+        std::fs::write(folder.path().join("hullmap.toml"), "[defaults]\nunit_scale = 2\n").unwrap();
         let mut configs = Configs::new(None).unwrap();
-        for (mesh, expected) in [
-            ("x.obj", Some(1.0)),
-            ("repo/assets/x.obj", Some(2.0)),
-            ("repo/assets/deep/x.obj", Some(3.0)),
-            ("repo/assets/deep/er/x.obj", Some(2.0)),
-            ("repo/other/x.obj", None),
-            ("repo/x.obj", None),
-        ] {
-            assert_eq!(scale(&mut configs, folder.path(), mesh), expected, "{mesh}");
+        for mesh in ["x.obj", "y.obj"] {
+            assert!(configs.layer(&folder.path().join(mesh)).unwrap().layer.get("unit_scale").is_some());
         }
-        assert_eq!(configs.read.len(), 2, "each is read once");
-    }
-
-    #[test]
-    fn unused_rules_are_reported_if_the_whole_folder_is_built() {
-        let text = "[defaults]\nmax_parts = 5\n[[rule]]\nsplit = \"none\"\nfiles = [\"propz/**\", \"*.stl\"]\n\n[[rule]]\nfiles = \"b/*\"\n";
-        let folder = folder(&[("a/hullmap.toml", text), ("a/b/x.obj", "")]);
-        let mut configs = Configs::new(None).unwrap();
-        configs.layer(&folder.path().join("a/b/x.obj")).unwrap();
-        let warned = |input: &str| configs.warnings(&[folder.path().join(input)], |_| input == "a").join("|");
-        assert!(warned("a").ends_with("a/hullmap.toml:5: no mesh matches `propz/**` or `*.stl`"), "{}", warned("a"));
-        assert!(warned("a/b").contains("max_parts has no effect") && !warned("a/b").contains('|'));
-        assert!(warned(".").contains('|'));
-    }
-
-    #[test]
-    fn a_named_file_applies_to_all_meshes() {
-        let folder = folder(&FILES);
-        let named = folder.path().join("repo/assets/hullmap.toml");
-        let mut configs = Configs::new(Some(&named)).unwrap();
-        assert_eq!(scale(&mut configs, folder.path(), "repo/other/x.obj"), Some(2.0));
-        assert_eq!(scale(&mut configs, folder.path(), "repo/assets/deep/x.obj"), Some(3.0));
-        let mut configs = Configs::new(Some(Path::new("none"))).unwrap();
-        assert_eq!(scale(&mut configs, folder.path(), "repo/assets/x.obj"), None);
-        assert!(Configs::new(Some(&folder.path().join("no.toml"))).is_err());
+        assert_eq!(configs.read.len(), 1);
     }
 
     #[test]

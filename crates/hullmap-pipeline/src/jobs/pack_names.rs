@@ -147,26 +147,6 @@ mod tests {
         assert_eq!(names_of(&["level.obj", "level.stl"], Some(false), kind), ["o/level.hullmesh", "o/level.hullmap"]);
     }
 
-    #[test]
-    fn the_extension_is_kept_where_stems_are_equal() {
-        for (meshes, expected) in [
-            (&["x.obj", "y.obj"][..], &["o/x.hullmap", "o/y.hullmap"][..]),
-            (&["x.obj", "x.stl", "y.stl"], &["o/x.obj.hullmap", "o/x.stl.hullmap", "o/y.hullmap"]),
-            (&["x.obj", "x.ply", "x.stl"], &["o/x.obj.hullmap", "o/x.ply.hullmap", "o/x.stl.hullmap"]),
-            (&["a/x.obj", "b/x.stl"], &["o/a/x.hullmap", "o/b/x.hullmap"]),
-            // One file on systems that ignore case.
-            (&["x.obj", "X.stl"], &["o/x.obj.hullmap", "o/X.stl.hullmap"]),
-            (&["x.obj", "X.OBJ"], &["o/x.hullmap?", "o/X.hullmap?"]),
-            (&["x.obj", "x.obj.stl"], &["o/x.hullmap", "o/x.obj.stl.hullmap"]),
-            (&["x.obj", "x.obj.stl", "x.ply"], &["o/x.obj.hullmap", "o/x.obj.stl.hullmap", "o/x.ply.hullmap"]),
-            (&["x.v1.obj", "x.v2.obj"], &["o/x.v1.hullmap", "o/x.v2.hullmap"]),
-        ] {
-            assert_eq!(names(meshes, None), expected, "{meshes:?}");
-        }
-        assert_eq!(names(&["x.obj", "y.obj"], Some(true)), ["o/x.obj.hullmap", "o/y.obj.hullmap"]);
-        assert_eq!(names(&["x.obj", "x.stl", "y.obj"], Some(false)), ["o/x.hullmap!", "o/x.hullmap!", "o/y.hullmap"]);
-    }
-
     /// It was suggested for meshes of the same name, too, which it cannot help.
     #[test]
     fn full_names_are_suggested_only_where_they_differ() {

@@ -157,7 +157,6 @@ pub mod tests {
     use hullmap_bake::simplify::Limit;
 
     use super::*;
-    use crate::options::removed::{COVER, INDEX, VHACD};
 
     pub const VALUES: [(&str, &str); OPTION_COUNT] = [
         ("split", "auto"),
@@ -222,72 +221,5 @@ pub mod tests {
         assert_eq!(parts.resolve().decompose(), None, "parameters alone do not decompose");
         let parts = layer(&[("decompose", "true")]).laid_over(&parts).resolve().decompose().unwrap();
         assert_eq!(parts.max_parts, Some(32));
-    }
-
-    #[test]
-    fn rejected_values_name_the_accepted_ones() {
-        let error = |key: &str, value: &str| OptionLayer::default().set(key, value).unwrap_err();
-        assert_eq!(error("split", "group"), "expected one of none, object, auto");
-        assert_eq!(error("up_axis", "Y-to-Z"), "expected one of keep, y-to-z, z-to-y");
-        for (key, values) in [
-            ("unit_scale", ["0", "-1", "nan", "inf", "x", "1e-400"].as_slice()),
-            ("recentre", &["yes", "1"]),
-            ("max_vertices", &["3", "many", "-8"]),
-            ("max_error", &["0", "-1", "nan", "inf", "%", "0%", "101%", "nan%"]),
-            ("max_parts", &["0", "1.5"]),
-            ("decompose", &["coacd", "yes"]),
-        ] {
-            for value in values {
-                assert!(error(key, value).starts_with("expected "), "{key} {value}");
-            }
-        }
-        assert_eq!(error("units", "1"), "unknown option units");
-        for (key, value) in [("decompose", "vhacd"), ("vhacd_resolution", "32"), ("vhacd_fill", "flood")] {
-            assert_eq!(error(key, value), VHACD, "{key} {value}");
-        }
-        for (key, value, instead) in
-            [("decompose", "cover", COVER), ("index_budget", "40", INDEX), ("resolution", "5", INDEX)]
-        {
-            assert_eq!(error(key, value), instead, "{key} {value}");
-        }
-    }
-
-    /// `--max-parts 4` without `--decompose` baked a single hull, without a message.
-    #[test]
-    fn options_without_effect_are_found_across_layers() {
-        let unused = |own: &[(&str, &str)], lower: &[&[(&str, &str)]]| {
-            let own = layer(own);
-            let resolved: Vec<_> = lower.iter().map(|lower| own.laid_over(&layer(lower)).resolve()).collect();
-            own.without_effect(resolved.iter()).map(|clash| clash.message(str::to_owned))
-        };
-        let message = "max_parts has no effect without decompose; add it, or remove max_parts";
-        assert_eq!(unused(&[("max_parts", "4")], &[&[], &[]]), Some(message.to_owned()));
-        assert_eq!(unused(&[("max_parts", "4")], &[&[], &[("decompose", "true")]]), None);
-        assert_eq!(unused(&[("max_parts", "4"), ("decompose", "true")], &[&[]]), None);
-        let message = "decompose_seconds has no effect without decompose; add it, or remove decompose_seconds";
-        assert_eq!(unused(&[("decompose_seconds", "4")], &[&[("decompose", "false")]]), Some(message.to_owned()));
-        assert_eq!(unused(&[("max_vertices", "4"), ("split", "auto")], &[&[]]), None);
-        let keeps: &[(&str, &str)] = &[("keep_triangles", "true")];
-        let message = "lean has no effect with keep_triangles, which writes no hulls; remove one of them";
-        assert_eq!(unused(&[("lean", "true")], &[keeps, keeps]), Some(message.to_owned()));
-        assert_eq!(unused(&[("lean", "true")], &[keeps, &[]]), None);
-    }
-
-    #[test]
-    fn clashes_are_within_a_layer() {
-        let clash = |pairs: &[(&str, &str)]| layer(pairs).clash().map(|clash| clash.key);
-        assert_eq!(clash(&[("max_error", "5"), ("max_vertices", "5")]), Some("max_error"));
-        for (key, value) in [("max_parts", "8"), ("decompose_seconds", "2.5")] {
-            assert_eq!(clash(&[("decompose", "false"), (key, value)]), Some(key));
-            assert_eq!(clash(&[("decompose", "true"), (key, value)]), None);
-            assert_eq!(clash(&[(key, value)]), None);
-        }
-        assert_eq!(clash(&[("decompose", "true"), ("max_error", "2%"), ("max_vertices", "8")]), None);
-        assert_eq!(clash(&[("keep_triangles", "true"), ("lean", "true")]), Some("lean"));
-        assert_eq!(clash(&[("keep_triangles", "false"), ("lean", "true")]), None);
-        let kept = [("keep_triangles", "true"), ("unit_scale", "2"), ("up_axis", "y-to-z"), ("pack_names", "full")];
-        assert_eq!(clash(&kept), None);
-        let message = layer(&[("max_error", "5"), ("max_vertices", "5")]).clash().unwrap().message(str::to_owned);
-        assert_eq!(message, "max_error and max_vertices exclude each other; remove one of them");
     }
 }

@@ -48,7 +48,7 @@ pub struct File<'a> {
     bytes: &'a [u8],
     /// File offsets of each section's bytes.
     pub sections: [Range<usize>; 19],
-    /// File offsets of the bytes of further sections; none in version 7.
+    /// File offsets of the bytes of further sections; none in versions 7 and 8.
     pub further: Vec<Range<usize>>,
 }
 
@@ -76,7 +76,7 @@ impl<'a> File<'a> {
     pub fn new(bytes: &'a [u8]) -> Self {
         assert_eq!(&bytes[..8], b"hullmap\n");
         let version = number(bytes, 8, 4);
-        assert!(version == 7 || version == 9, "format version {version}");
+        assert!((7..=10).contains(&version), "format version {version}");
         assert_eq!(number(bytes, 12, 4), 64, "header length");
         assert_eq!(number(bytes, 16, 8), bytes.len() as u64 - 64, "payload length");
         assert_eq!(number(bytes, 48, 8), 0, "reserved");
@@ -88,13 +88,20 @@ impl<'a> File<'a> {
         let sections = std::array::from_fn(|index| range(root + 8 * index, SECTIONS[index].1));
         let first = root - 8 * FURTHER.len();
         let further = FURTHER.iter().enumerate().map(|(index, (_, size, _))| range(first + 8 * index, *size));
-        let further = if version == 9 { further.collect() } else { Vec::new() };
+        let further = if version >= 9 { further.collect() } else { Vec::new() };
         Self { bytes, sections, further }
     }
 
     pub fn section(&self, name: &str) -> &'a [u8] {
         let index = SECTIONS.iter().position(|(own, ..)| *own == name).expect(name);
         &self.bytes[self.sections[index].clone()]
+    }
+
+    /// File offset of an element of a section or of a further section.
+    pub fn element(&self, name: &str, index: usize) -> usize {
+        let mut all = SECTIONS.iter().chain(&FURTHER).zip(self.sections.iter().chain(&self.further));
+        let ((_, size, _), range) = all.find(|((own, ..), _)| *own == name).expect(name);
+        range.clone().step_by(*size).nth(index).expect("the section has this element")
     }
 
     /// Asserts that each section starts at the first multiple of its alignment after the section

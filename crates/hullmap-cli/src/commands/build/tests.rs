@@ -87,31 +87,3 @@ fn rows_have_the_order_of_the_inputs_for_any_thread_count() {
         }
     }
 }
-
-#[test]
-fn the_table_ends_in_a_summary() {
-    let folder = tempfile::tempdir().unwrap();
-    let (_, text) = build(folder.path(), &[("a.obj", TRIANGLE), ("b.obj", "")], &[]);
-    assert!(text.starts_with("source"), "{text}");
-    assert!(text.contains("FAILED") && text.contains("\n1 baked, 0 fresh, 1 failed; 1 hull in "), "{text}");
-}
-
-#[test]
-fn objects_split_and_paths_are_recorded() {
-    let folder = tempfile::tempdir().unwrap();
-    let two = "o left\nv 0 0 0\nv 1 0 0\nl 1 2\no right\nv 2 0 0\np 3\n";
-    let (_, text) = build(folder.path(), &[("sub/two.obj", two)], &["--json", "--split", "object"]);
-    assert_eq!(json_rows(&text)[0]["hulls"], 2);
-    let pack = std::fs::read_to_string(folder.path().join("out/sub/two.hullmap")).unwrap();
-    assert!(pack.starts_with("../../in/sub/two.obj "), "{pack}");
-    assert!(pack.ends_with(r#"["left", "right"]"#), "{pack}");
-}
-
-#[test]
-fn an_output_path_that_is_a_file_is_rejected() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("out"), "").unwrap();
-    let (result, text) = build(folder.path(), &[("a.obj", TRIANGLE)], &[]);
-    assert_eq!(result.unwrap_err().exit, Exit::Usage);
-    assert_eq!(text, "");
-}

@@ -115,7 +115,7 @@ pub fn analyse_file(
         },
     });
     let input = Input { path: &place.path, pack, source, verification, remarks, polygons, excess, frame };
-    let mut analysis = analyse(input).map_err(|error| Failure::usage(error.to_string()))?;
+    let mut analysis = analyse(input).expect("the pack was opened with all checks");
     analysis.options = BuildOptions::recorded_in_words(pack.options());
     Ok(Analysed::Pack(Box::new(analysis)))
 }

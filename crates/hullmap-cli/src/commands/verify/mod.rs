@@ -9,7 +9,7 @@ use hullmap_geometry::number::{percent, short};
 
 use crate::args::verify::VerifyArgs;
 use crate::rows::Notes;
-use crate::table::{Align, Table, or_dash};
+use crate::table::{Table, or_dash};
 use crate::terminal::{self, Output};
 use hullmap_geometry::number::grouped;
 use hullmap_pipeline::budget::{Figures, budget};
@@ -201,22 +201,10 @@ fn index_word(hulls: &[HullVerification]) -> &'static str {
 
 fn pack_table(results: &[HullVerification]) -> Table {
     let has_simplified = results.iter().any(HullVerification::is_simplified);
-    let mut columns = vec![
-        ("file", Align::Left),
-        ("hulls", Align::Right),
-        ("vertices", Align::Right),
-        ("index", Align::Left),
-        ("max_regret", Align::Right),
-        ("mismatches", Align::Right),
-        ("nodes", Align::Right),
-        ("dots", Align::Right),
-        ("against", Align::Left),
-        ("result", Align::Left),
-    ];
-    if has_simplified {
-        columns.push(("outer error", Align::Left));
-    }
-    let mut table = Table::new(&columns);
+    let outer = if has_simplified { " | outer error:" } else { "" };
+    let mut table = Table::headed(&format!(
+        "file: | hulls | vertices | index: | max_regret | mismatches | nodes | dots | against: | result:{outer}"
+    ));
     for hulls in results.chunk_by(|result, next| result.file == next.file) {
         let first = &hulls[0];
         let hull_count = hulls.iter().filter(|result| result.hull.is_some()).count();
@@ -260,24 +248,11 @@ fn pack_table(results: &[HullVerification]) -> Table {
 
 fn hull_table(results: &[HullVerification]) -> Table {
     let has_simplified = results.iter().any(HullVerification::is_simplified);
-    let mut columns = vec![
-        ("file", Align::Left),
-        ("hull", Align::Left),
-        ("vertices", Align::Right),
-        ("rank", Align::Right),
-        ("index", Align::Left),
-        ("max_regret", Align::Right),
-        ("mismatches", Align::Right),
-        ("nodes", Align::Right),
-        ("dots", Align::Right),
-        ("index B/vertex", Align::Right),
-        ("against", Align::Left),
-        ("result", Align::Left),
-    ];
-    if has_simplified {
-        columns.push(("outer error", Align::Left));
-    }
-    let mut table = Table::new(&columns);
+    let outer = if has_simplified { " | outer error:" } else { "" };
+    let mut table = Table::headed(&format!(
+        "file: | hull: | vertices | rank | index: | max_regret | mismatches | nodes | dots | index B/vertex | against: | \
+         result:{outer}"
+    ));
     let small_count = |value: Option<u32>| count(value.map(|value| value as usize));
     for result in results {
         let mut cells = vec![
@@ -352,30 +327,6 @@ fn summary(results: &[HullVerification]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn simplified_hull_is_not_called_exact() {
-        let exact = HullVerification {
-            pass: true,
-            against: Some("source"),
-            outer_error: Some(0.0),
-            diameter: Some(2.0),
-            ..HullVerification::default()
-        };
-        let outer = HullVerification { outer_error: Some(0.12), ..exact.clone() };
-        assert_eq!(summary(std::slice::from_ref(&exact)), "1 exact, 0 failed");
-        assert!(
-            summary(&[exact, outer.clone()])
-                .starts_with("1 exact, 1 simplified, 0 failed; each simplified hull contains")
-        );
-        assert_eq!(
-            (outer.result(), outer_error(&outer)),
-            ("contains its source", "0.12 (6% of the diameter)".to_owned())
-        );
-        let unsourced = HullVerification { against: Some("stored hull"), ..outer };
-        assert_eq!(unsourced.result(), "index exact");
-        assert!(!summary(&[unsourced]).contains("contains its source"));
-    }
 
     #[test]
     fn a_part_is_exact_only_if_its_bounds_are_0() {

@@ -1,4 +1,4 @@
-use crate::table::{Align, Table, or_dash};
+use crate::table::{Table, or_dash};
 use crate::terminal::{self, Output};
 use hullmap_geometry::number::grouped;
 use hullmap_pipeline::outcome::Failure;
@@ -10,17 +10,7 @@ pub fn write_text(surfaces: &[SurfaceVerification], out: &mut Output) -> Result<
             terminal::error(format_args!("{}: {problems}", surface.file));
         }
     }
-    let mut table = Table::new(&[
-        ("file", Align::Left),
-        ("triangles", Align::Right),
-        ("rays", Align::Right),
-        ("hits", Align::Right),
-        ("points", Align::Right),
-        ("seed", Align::Right),
-        ("mismatches", Align::Right),
-        ("against", Align::Left),
-        ("result", Align::Left),
-    ]);
+    let mut table = Table::headed("file: | triangles | rays | hits | points | seed | mismatches | against: | result:");
     let count = |value: Option<usize>| or_dash(value, |value| grouped(value as u64));
     for surface in surfaces {
         table.push(vec![
