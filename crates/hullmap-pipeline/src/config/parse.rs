@@ -121,7 +121,10 @@ fn inside(key: &str, value: &Spanned<DeValue>) -> Result<PathBuf, Fault> {
 fn rule(span: Range<usize>, table: &DeTable, line_of: &dyn Fn(usize) -> usize) -> Result<Rule, Fault> {
     let (files, links) = (table.get(FILES), table.get(LINKS));
     let Some(first) = files.or(links) else {
-        return Err(fault(span, "this rule has no `files`: add the meshes it applies to, as in files = \"props/**\""));
+        return Err(fault(
+            span,
+            "this rule has no `files` and no `links`: add the meshes it applies to, as in files = \"props/**\"",
+        ));
     };
     let line = line_of(first.span().start);
     let files = files.map_or_else(|| Ok(Vec::new()), |files| globs(FILES, files))?;

@@ -353,9 +353,10 @@ impl<'a> Reader<'a> {
                 Geometry::Other(format!("its mesh `{}` is not among the assets", get("mesh").unwrap_or_default()))
             }
             (kind @ ("plane" | "hfield" | "sdf"), _) => Geometry::Other(format!("`{kind}` is not a mesh")),
-            (kind, _) => {
+            (kind, Some(_)) => Geometry::Other(format!("the `{kind}` is fitted to a mesh by MuJoCo; state its size")),
+            (kind, None) => {
                 let size = get("size").and_then(numbers).unwrap_or_default();
-                let shape = if mesh.is_some() { None } else { read_primitive(kind, size, ends.map(|(_, half)| half)) };
+                let shape = read_primitive(kind, size, ends.map(|(_, half)| half));
                 Geometry::Primitive(NamedPrimitive { name: kind.to_owned(), shape })
             }
         };

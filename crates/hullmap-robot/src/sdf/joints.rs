@@ -87,7 +87,7 @@ impl<'a> Reader<'a, '_> {
         };
         if let Some(parent) = parent {
             if let Err(reason) = self.chain.attach(link, parent, in_world[parent].inverse() * in_world[link]) {
-                return self.warn(node, &format!("{reason}, and moves nothing here; correct it"));
+                return self.warn(node, &format!("{reason}, and moves nothing here"));
             }
         } else if end(node, "parent") != Some("world") {
             return self.warn(node, "its parent is not a link of this file, so it moves nothing here");

@@ -89,10 +89,19 @@ fn below_common(source: &Path, input: &Path, all: &[&Description]) -> PathBuf {
     source.strip_prefix(&common).unwrap_or(Path::new("")).to_owned()
 }
 
-/// The path from a description's folder to another description, if it names that one.
-fn place_in<'d>(namer: &'d Description, other: &Description) -> Option<&'d Path> {
+/// The path from a description's folder to another description, if it names that one: by a relative
+/// path, or by the name of its model, whose folder Gazebo looks for in the folder of the output.
+fn place_in(namer: &Description, other: &Description) -> Option<PathBuf> {
     let is_other = |file: &Path| is_same_file(file, other.path()) && !is_same_file(file, namer.path());
-    namer.references.iter().find(|own| is_other(&own.file)).map(|own| &*own.path)
+    if let Some(reference) = namer.references.iter().find(|own| is_other(&own.file)) {
+        return Some(reference.path.clone());
+    }
+    let other = other.path().canonicalize().ok()?;
+    namer.others.iter().find_map(|own| {
+        let model = own.path.as_ref()?;
+        let below = other.strip_prefix(model).ok().filter(|below| *below != Path::new(""))?;
+        Some(Path::new(model.file_name()?).join(below))
+    })
 }
 
 fn undetermined(path: &Path, error: &dyn std::fmt::Display) -> Failure {
