@@ -4,7 +4,6 @@
 use super::parry;
 
 mod baked_hull;
-mod bounds;
 mod convert;
 mod debug;
 #[cfg(feature = "dispatcher")]

@@ -3,20 +3,28 @@
 // One of the two precisions makes each cast a no-op.
 #![allow(clippy::unnecessary_cast)]
 
+use hullmap::SupportMap as _;
+use hullmap::glam::DVec3;
+
 use super::BakedHull;
-use super::convert::narrow;
+use super::convert::{narrow, real, wide};
 use super::parry::bounding_volume::{Aabb, BoundingSphere};
 use super::parry::mass_properties::MassProperties;
 use super::parry::math::{Pose, Real, Vector};
 use super::parry::shape::{FeatureId, PolygonalFeatureMap, Shape, ShapeType, SubShapeId, SupportMap, TypedShape};
 
+/// Relative margin of the box in a pose, for rounding in f32: a smaller box would lose contacts.
+const MARGIN: f64 = 1e-6;
+
 impl Shape for BakedHull {
     fn compute_local_aabb(&self) -> Aabb {
-        self.local_box()
+        let [a, b] = self.hull().bounds().map(|bound| bound.as_dvec3() * self.scale_factors());
+        Aabb::new(narrow(a.min(b)), narrow(a.max(b)))
     }
 
+    /// A ball around the interior point, O(1).
     fn compute_local_bounding_sphere(&self) -> BoundingSphere {
-        self.ball()
+        BoundingSphere::new(narrow(self.interior_point()), real(self.outer_radius() * (1.0 + MARGIN)))
     }
 
     fn clone_dyn(&self) -> Box<dyn Shape> {
@@ -30,7 +38,17 @@ impl Shape for BakedHull {
 
     /// The tight box with a margin for rounding, by six support queries.
     fn compute_aabb(&self, position: &Pose) -> Aabb {
-        self.box_under(position)
+        let (mut mins, mut maxs) = (DVec3::ZERO, DVec3::ZERO);
+        for world in DVec3::AXES {
+            let local = wide(position.rotation.inverse() * narrow(world));
+            let reach = |dir: DVec3| hullmap::SupportMap::support_point(self, dir).point.dot(local);
+            let (low, high) = (reach(-local), reach(local));
+            let margin = MARGIN * (low.abs().max(high.abs()));
+            let shift = wide(position.translation).dot(world);
+            mins += world * (shift + low - margin);
+            maxs += world * (shift + high + margin);
+        }
+        Aabb::new(narrow(mins), narrow(maxs))
     }
 
     fn mass_properties(&self, density: Real) -> MassProperties {
@@ -46,7 +64,7 @@ impl Shape for BakedHull {
     }
 
     fn ccd_thickness(&self) -> Real {
-        self.thickness()
+        real(self.inner_radius())
     }
 
     /// In radians, as for parry's convex polyhedron.

@@ -2,14 +2,12 @@
 
 use hullmap::glam::DVec3;
 use hullmap::shapes::Rounded;
-use hullmap::{Cache, CastSettings, Impact, Motion, Settings, Status};
+use hullmap::{Cache, CastSettings, Impact, Motion, Status};
 
 use super::super::convert::{double, real, wide};
 use super::super::parry::math::Vector;
 use super::super::parry::query::{ShapeCastHit, ShapeCastOptions, ShapeCastStatus};
-use super::BakedHull;
-use super::nearest::{Nearest, contact_of};
-use super::pair::{HullPair, Local, Placement, on_pair};
+use super::pair::{HullPair, Local, Nearest, Placement};
 
 /// A hit before this time counts as a contact at the start: its normal decides whether the shapes
 /// move apart. In the unit of the motion, as in parry.
@@ -87,28 +85,27 @@ fn cast_hit(t: f64, local: Local, status: ShapeCastStatus) -> ShapeCastHit {
 /// The first hit of a pair that moves at the relative velocity `velocity12`, which is in the frame
 /// of parry's first shape. The outer `None` is for invalid numbers, the inner one for a miss.
 pub(super) fn cast(
-    (pair, placement): &(HullPair<'_>, Placement),
+    pair: &HullPair<'_>,
     velocity12: Vector,
     options: &ShapeCastOptions,
 ) -> Option<Option<ShapeCastHit>> {
+    let HullPair { a, b, placement } = pair;
     let cast = Cast::new(*placement, velocity12, options);
     let motion = Motion::new(cast.velocity).ok()?;
     let settings = CastSettings { max_t: cast.max_t, ..CastSettings::default() };
-    let (place, cache) = (placement.b_in_a, &mut Cache::new());
+    let cache = &mut Cache::new();
     let impact = if cast.target > 0.0 {
         // The shapes are within the target distance if the hull, grown by it, meets B.
-        on_pair!(*pair, a, b => {
-            let grown: Rounded<BakedHull> = Rounded::new(a.clone(), cast.target).ok()?;
-            hullmap::cast(&grown, b, place, motion, &settings, cache)
-        })
+        let grown = Rounded::new((*a).clone(), cast.target).ok()?;
+        hullmap::cast(&grown, b, placement.b_in_a, motion, &settings, cache)
     } else {
-        on_pair!(*pair, a, b => hullmap::cast(a, b, place, motion, &settings, cache))
+        hullmap::cast(*a, b, placement.b_in_a, motion, &settings, cache)
     };
     if !cast.is_hit(&impact) {
         return Some(None);
     }
     if cast.is_at_start(&impact) {
-        return Some(cast.start(&contact_of(pair, placement, &Settings::default()), impact.t));
+        return Some(cast.start(&pair.nearest(), impact.t));
     }
     Some(Some(cast.hit(&impact)))
 }

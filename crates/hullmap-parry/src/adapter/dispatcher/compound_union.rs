@@ -7,9 +7,8 @@ use super::super::convert::{narrow, real, wide_pose};
 use super::super::parry::bounding_volume::Aabb;
 use super::super::parry::math::Vector;
 use super::super::parry::shape::{Compound, Shape};
-use super::BakedHull;
 use super::manifold::PartOf;
-use super::primitive::Primitive;
+use super::pieces::Convex;
 
 /// Relative allowance for rounding a point to parry's precision.
 const ROUNDING: f64 = 1e-6;
@@ -28,12 +27,8 @@ impl<'c> CompoundUnion<'c> {
         Some((self, part, wide_pose(place)?))
     }
 
-    fn hull(&self, part: usize) -> Option<&BakedHull> {
-        self.0.shapes().get(part)?.1.as_shape::<BakedHull>()
-    }
-
-    fn primitive(&self, part: usize) -> Option<Primitive> {
-        Primitive::from_shape(&*self.0.shapes().get(part)?.1)
+    fn convex(&self, part: usize) -> Option<Convex<'_>> {
+        Convex::from_shape(&*self.0.shapes().get(part)?.1)
     }
 }
 
@@ -43,20 +38,17 @@ impl Union for CompoundUnion<'_> {
         let near = Aabb::from_half_extents(narrow(point), Vector::splat(real(half)));
         self.0.bvh().intersect_aabb(&near).any(|leaf| {
             let index = leaf as usize;
-            let Some((_, _, place)) = self.part(index) else { return false };
-            if let Some(hull) = self.hull(index) {
-                return test(Neighbour { index, shape: hull, place });
-            }
-            self.primitive(index).is_some_and(|primitive| test(Neighbour { index, shape: primitive.shape(), place }))
+            let (Some((_, _, place)), Some(convex)) = (self.part(index), self.convex(index)) else { return false };
+            test(Neighbour { index, shape: convex.shape(), place })
         })
     }
 
     fn face_towards(&self, part: usize, dir: DVec3) -> Option<DVec3> {
         let (_, _, place) = self.part(part)?;
         let local = place.inverse_transform_vector(dir);
-        let normal = match self.hull(part) {
-            Some(hull) => hull.face_normal(hull.face_towards(local)?)?,
-            None => face_of(self.primitive(part)?.shape(), local)?.0,
+        let normal = match self.convex(part)? {
+            Convex::Hull(hull) => hull.face_normal(hull.face_towards(local)?)?,
+            Convex::Primitive(primitive) => face_of(primitive.shape(), local)?.0,
         };
         Some(place.transform_vector(normal))
     }
@@ -65,15 +57,17 @@ impl Union for CompoundUnion<'_> {
         let Some((_, _, place)) = self.part(part) else { return };
         let mut give =
             |normal: DVec3, point: DVec3| visit(place.transform_vector(normal), place.transform_point(point));
-        if let Some(hull) = self.hull(part) {
-            let scale = hull.scale_factors();
-            faces_of_hull(hull.hull(), vertex, &mut |normal, point| {
-                if let Some(normal) = (normal / scale).try_normalize() {
-                    give(normal, point * scale);
-                }
-            });
-        } else if let Some(primitive) = self.primitive(part) {
-            faces_of_shape(primitive.shape(), &mut give);
+        match self.convex(part) {
+            Some(Convex::Hull(hull)) => {
+                let scale = hull.scale_factors();
+                faces_of_hull(hull.hull(), vertex, &mut |normal, point| {
+                    if let Some(normal) = (normal / scale).try_normalize() {
+                        give(normal, point * scale);
+                    }
+                });
+            }
+            Some(Convex::Primitive(primitive)) => faces_of_shape(primitive.shape(), &mut give),
+            None => {}
         }
     }
 }

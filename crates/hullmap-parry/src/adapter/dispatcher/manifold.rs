@@ -8,17 +8,22 @@
 //! 4. Write its points. A point that hullmap kept retains the data that the engine stored in it.
 
 use hullmap::compound::seams::{self, Side, Union};
+use hullmap::glam::DVec3;
 use hullmap::manifold::FeatureId;
 use hullmap::shapes::HalfSpace;
 use hullmap::{Cache, Manifold, ManifoldSettings, Prediction};
 
 use super::super::convert::{double, real, wide};
 use super::super::parry::math::{Pose, Real};
-use super::super::parry::query::{ContactManifold, TrackedContact};
+use super::super::parry::query::details::NormalConstraints;
+use super::super::parry::query::{
+    ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher as _, TrackedContact, Unsupported,
+};
 use super::super::parry::shape::{PackedFeatureId, Shape};
 use super::super::polygon::{edge_id, face_id, vertex_id};
 use super::BakedHull;
-use super::pair::{HullPair, Placement, on_pair, pair, plane};
+use super::pair::{HullPair, Placement, hull_pair, placement};
+use super::pieces::Convex;
 
 /// Cosine of the angle (1°) up to which shapes have barely turned, as in parry.
 /// docs/contributors/decisions/0020-engines.md has the measurements.
@@ -35,62 +40,114 @@ pub(super) fn barely_moved<M, C: Default + Copy>(pos12: &Pose, manifold: &mut Co
 
 pub(super) type PartOf<'u> = (&'u dyn Union, usize, hullmap::Pose);
 
-/// `kept` and `cache` belong to the pair; if empty, a few more support calls are needed. `parts`
-/// are the compounds of parry's two shapes, if they are parts.
-pub(super) fn update<M, C: Default + Copy>(
-    (pair, placement): &(HullPair<'_>, Placement),
-    prediction: Real,
-    (kept, cache): (&mut Manifold, &mut Cache),
-    parts: [Option<PartOf<'_>>; 2],
-    out: &mut ContactManifold<M, C>,
-) {
-    stamp(kept, out);
-    let (settings, b_in_a) = (settings(prediction), placement.b_in_a);
-    let [of_a, of_b] = if placement.flipped { [parts[1], parts[0]] } else { parts };
-    let before = (of_a.is_some() || of_b.is_some()).then(|| kept.clone());
-    on_pair!(*pair, a, b => {
-        kept.update(a, b, b_in_a, &settings, cache);
-        if let Some(before) = before {
-            let (side_a, side_b) = (Side { shape: a, union: of_a }, Side { shape: b, union: of_b });
-            seams::weld(kept, &before, &side_a, &side_b, b_in_a, &settings);
+/// A pair that has one manifold, which hullmap computes.
+pub(super) enum Touching<'s> {
+    Hull(HullPair<'s>),
+    /// A is the half-space.
+    HalfSpace(HalfSpace, &'s BakedHull, Placement),
+}
+
+impl<'s> Touching<'s> {
+    /// `None` if hullmap does not solve the pair.
+    #[inline]
+    pub(super) fn new(pos12: &Pose, shape1: &'s dyn Shape, shape2: &'s dyn Shape) -> Option<Self> {
+        if let Some(pair) = hull_pair(pos12, shape1, shape2) {
+            return Some(Self::Hull(pair));
         }
-    });
-    write(kept, placement, out);
+        let (plane, body, flipped) = match (shape1.as_halfspace(), shape2.as_halfspace()) {
+            (Some(plane), _) => (plane, shape2, false),
+            (None, Some(plane)) => (plane, shape1, true),
+            (None, None) => return None,
+        };
+        let plane = HalfSpace::new(wide(plane.normal), 0.0).ok()?;
+        Some(Self::HalfSpace(plane, body.as_shape()?, placement(pos12, flipped)?))
+    }
+
+    /// Updates the points of `out`. `kept` and `cache` belong to the pair; if empty, a few more
+    /// support calls are needed. `parts` are the compounds of parry's two shapes, if they are
+    /// parts.
+    pub(super) fn update<M, C: Default + Copy>(
+        &self,
+        prediction: Real,
+        (kept, cache): (&mut Manifold, &mut Cache),
+        parts: [Option<PartOf<'_>>; 2],
+        out: &mut ContactManifold<M, C>,
+    ) {
+        stamp(kept, out);
+        let settings = settings(prediction);
+        let (Self::Hull(HullPair { placement, .. }) | Self::HalfSpace(_, _, placement)) = self;
+        let parts = if placement.flipped { [parts[1], parts[0]] } else { parts };
+        match self {
+            // Two branches, so that the code for two hulls has no virtual calls.
+            Self::Hull(HullPair { a, b: Convex::Hull(b), .. }) => {
+                update_welded((*a, *b, placement.b_in_a), parts, (kept, cache), &settings);
+            }
+            Self::Hull(HullPair { a, b: Convex::Primitive(b), .. }) => {
+                update_welded((*a, b.shape(), placement.b_in_a), parts, (kept, cache), &settings);
+            }
+            Self::HalfSpace(plane, hull, _) => {
+                kept.update_half_space_from((plane, *hull, placement.b_in_a), &settings, out.points.is_empty());
+            }
+        }
+        write(kept, placement, out);
+    }
+
+    /// The normal of the last step, from A to B in A's frame.
+    fn axis<M, C>(&self, last: &ContactManifold<M, C>) -> DVec3 {
+        let (Self::Hull(HullPair { placement, .. }) | Self::HalfSpace(_, _, placement)) = self;
+        placement.axis(wide(last.local_n1))
+    }
 }
 
-pub(super) fn update_plane<M, C: Default + Copy>(
-    (plane, hull, placement): &(HalfSpace, &BakedHull, Placement),
-    prediction: Real,
-    kept: &mut Manifold,
-    out: &mut ContactManifold<M, C>,
+/// Updates a manifold, and corrects its normal at internal edges of the compounds in `parts`.
+fn update_welded<B: hullmap::Shape + ?Sized>(
+    (a, b, b_in_a): (&BakedHull, &B, hullmap::Pose),
+    [of_a, of_b]: [Option<PartOf<'_>>; 2],
+    (kept, cache): (&mut Manifold, &mut Cache),
+    settings: &ManifoldSettings,
 ) {
-    stamp(kept, out);
-    let is_new = out.points.is_empty();
-    kept.update_half_space_from((plane, *hull, placement.b_in_a), &settings(prediction), is_new);
-    write(kept, placement, out);
+    let before = (of_a.is_some() || of_b.is_some()).then(|| kept.clone());
+    kept.update(a, b, b_in_a, settings, cache);
+    if let Some(before) = before {
+        let (side_a, side_b) = (Side { shape: a, union: of_a }, Side { shape: b, union: of_b });
+        seams::weld(kept, &before, &side_a, &side_b, b_in_a, settings);
+    }
 }
 
-/// `parts` are the compounds of the two shapes. Returns false if hullmap does not solve the pair.
-pub(super) fn solve<M, C: Default + Copy>(
+/// parry's method of this name. `parts` are the compounds of the two shapes, if they are parts.
+/// Parts have no [`Memory`](super::memory::Memory): each update starts only from the last normal.
+pub(super) fn contact_manifold_convex_convex<M, C>(
     pos12: &Pose,
-    shape1: &dyn Shape,
-    shape2: &dyn Shape,
+    [shape1, shape2]: [&dyn Shape; 2],
+    constraints: [Option<&dyn NormalConstraints>; 2],
     prediction: Real,
     parts: [Option<PartOf<'_>>; 2],
     manifold: &mut ContactManifold<M, C>,
-) -> bool {
-    if let Some(found) = plane(pos12, shape1, shape2) {
+) -> Result<(), Unsupported>
+where
+    M: Default + Clone + Send + Sync,
+    C: Default + Copy + Send + Sync,
+{
+    // Constraints change the normal between the contact and the features; only parry does that.
+    if let [None, None] = constraints
+        && let Some(pair) = Touching::new(pos12, shape1, shape2)
+    {
         if !barely_moved(pos12, manifold) {
-            update_plane(&found, prediction, &mut Manifold::new(), manifold);
+            let cache = &mut Cache::from_axis(pair.axis(manifold));
+            pair.update(prediction, (&mut Manifold::new(), cache), parts, manifold);
         }
-        return true;
+        return Ok(());
     }
-    let Some(found) = pair(pos12, shape1, shape2) else { return false };
-    if !barely_moved(pos12, manifold) {
-        let cache = &mut Cache::from_axis(found.1.axis(wide(manifold.local_n1)));
-        update(&found, prediction, (&mut Manifold::new(), cache), parts, manifold);
-    }
-    true
+    let [constraints1, constraints2] = constraints;
+    DefaultQueryDispatcher.contact_manifold_convex_convex(
+        pos12,
+        shape1,
+        shape2,
+        constraints1,
+        constraints2,
+        prediction,
+        manifold,
+    )
 }
 
 pub(super) fn settings(prediction: Real) -> ManifoldSettings {

@@ -3,7 +3,8 @@
 //! | module | concept |
 //! |---|---|
 //! | `pair`, `primitive`, `pieces` | which of parry's shapes hullmap solves |
-//! | `nearest`, `cast`, `motion` | contacts, closest points, and casts of a pair |
+//! | `split` | which of parry's shapes parry splits into parts |
+//! | `cast`, `motion` | casts of a pair |
 //! | `persistent` | parry's `contact_manifolds`, which keeps manifolds from step to step |
 //! | `memory`, `manifold` | what a pair keeps, and its manifold |
 //! | `part_dispatcher`, `compound_union`, `patches` | parts of compounds |
@@ -15,18 +16,18 @@ mod manifold;
 mod memory;
 mod motion;
 mod nearby;
-mod nearest;
 mod pair;
 mod part_dispatcher;
 mod patches;
 mod persistent;
 mod pieces;
 mod primitive;
+mod split;
 mod surface_cast;
 mod surface_manifold;
 mod surface_pair;
 
-use hullmap::{Cache, Settings};
+use hullmap::Distance;
 
 use super::BakedHull;
 use super::convert::real;
@@ -37,8 +38,9 @@ use super::parry::query::{
     ShapeCastOptions, ShapeDistance, ShapeIntersection, Unsupported,
 };
 use super::parry::shape::Shape;
-use nearest::contact_of;
-use pair::{HullPair, closest_points, on_pair, pair};
+use pair::{Placement, closest_points, hull_pair};
+use split::Split::{Composite, Field, Voxels};
+use split::split;
 use surface_pair::surface_pair;
 
 /// parry's query dispatcher, with hullmap's solver and manifolds for pairs that have a
@@ -102,44 +104,30 @@ impl QueryDispatcher for HullDispatcher {
         shape1: &dyn Shape,
         shape2: &dyn Shape,
     ) -> Result<ShapeIntersection, Unsupported> {
-        if let Some((pair, placement)) = pair(pos12, shape1, shape2) {
-            let found = on_pair!(pair, a, b => hullmap::intersects(a, b, placement.b_in_a, &mut Cache::new()));
-            return Ok(found.is_hit().into());
+        if let Some(pair) = hull_pair(pos12, shape1, shape2) {
+            return Ok(pair.intersects().into());
         }
         if let Some(pair) = surface_pair(pos12, shape1, shape2) {
             return Ok(pair.intersects().into());
         }
-        if let Some(composite) = shape1.as_composite_shape() {
-            return Ok(default::intersection_test_composite_shape_shape(self, pos12, composite, shape2));
-        }
-        if let Some(composite) = shape2.as_composite_shape() {
-            return Ok(default::intersection_test_shape_composite_shape(self, pos12, shape1, composite));
-        }
-        if let Some(voxels) = shape1.as_voxels() {
-            return Ok(default::intersection_test_voxels_shape(self, pos12, voxels, shape2));
-        }
-        if let Some(voxels) = shape2.as_voxels() {
-            return Ok(default::intersection_test_shape_voxels(self, pos12, shape1, voxels));
-        }
-        DefaultQueryDispatcher.intersection_test(pos12, shape1, shape2)
+        Ok(match split(shape1, shape2) {
+            [Composite(a), _] => default::intersection_test_composite_shape_shape(self, pos12, a, shape2),
+            [_, Composite(b)] => default::intersection_test_shape_composite_shape(self, pos12, shape1, b),
+            [Voxels(a), _] => default::intersection_test_voxels_shape(self, pos12, a, shape2),
+            [_, Voxels(b)] => default::intersection_test_shape_voxels(self, pos12, shape1, b),
+            _ => return DefaultQueryDispatcher.intersection_test(pos12, shape1, shape2),
+        })
     }
 
     fn distance(&self, pos12: &Pose, shape1: &dyn Shape, shape2: &dyn Shape) -> Result<ShapeDistance, Unsupported> {
-        if let Some((pair, placement)) = pair(pos12, shape1, shape2) {
-            let settings = Settings::default();
-            let found = on_pair!(pair, a, b => hullmap::distance(a, b, placement.b_in_a, &settings, &mut Cache::new()));
+        if let Some((found, _)) = solved_distance(pos12, shape1, shape2) {
             return Ok(real(found.distance).into());
         }
-        if let Some((found, _)) = surface_pair(pos12, shape1, shape2).and_then(|pair| pair.distance()) {
-            return Ok(real(found.distance).into());
-        }
-        if let Some(composite) = shape1.as_composite_shape() {
-            return Ok(default::distance_composite_shape_shape(self, pos12, composite, shape2));
-        }
-        if let Some(composite) = shape2.as_composite_shape() {
-            return Ok(default::distance_shape_composite_shape(self, pos12, shape1, composite));
-        }
-        DefaultQueryDispatcher.distance(pos12, shape1, shape2)
+        Ok(match split(shape1, shape2) {
+            [Composite(a), _] => default::distance_composite_shape_shape(self, pos12, a, shape2),
+            [_, Composite(b)] => default::distance_shape_composite_shape(self, pos12, shape1, b),
+            _ => return DefaultQueryDispatcher.distance(pos12, shape1, shape2),
+        })
     }
 
     fn contact(
@@ -149,27 +137,21 @@ impl QueryDispatcher for HullDispatcher {
         shape2: &dyn Shape,
         prediction: Real,
     ) -> Result<Option<Contact>, Unsupported> {
-        if let Some((pair, placement)) = pair(pos12, shape1, shape2) {
-            return Ok(contact_of(&pair, &placement, &Settings::default()).contact(&placement, prediction));
+        if let Some(pair) = hull_pair(pos12, shape1, shape2) {
+            return Ok(pair.nearest().contact(&pair.placement, prediction));
         }
         if let Some(pair) = surface_pair(pos12, shape1, shape2)
             && let Some((found, _)) = pair.nearest()
         {
             return Ok(found.contact(&pair.placement, prediction));
         }
-        if let Some(field) = shape1.as_heightfield() {
-            return Ok(default::contact_heightfield_shape(self, pos12, field, shape2, prediction));
-        }
-        if let Some(field) = shape2.as_heightfield() {
-            return Ok(default::contact_shape_heightfield(self, pos12, shape1, field, prediction));
-        }
-        if let Some(composite) = shape1.as_composite_shape() {
-            return Ok(default::contact_composite_shape_shape(self, pos12, composite, shape2, prediction));
-        }
-        if let Some(composite) = shape2.as_composite_shape() {
-            return Ok(default::contact_shape_composite_shape(self, pos12, shape1, composite, prediction));
-        }
-        DefaultQueryDispatcher.contact(pos12, shape1, shape2, prediction)
+        Ok(match split(shape1, shape2) {
+            [Field(a), _] => default::contact_heightfield_shape(self, pos12, a, shape2, prediction),
+            [_, Field(b)] => default::contact_shape_heightfield(self, pos12, shape1, b, prediction),
+            [Composite(a), _] => default::contact_composite_shape_shape(self, pos12, a, shape2, prediction),
+            [_, Composite(b)] => default::contact_shape_composite_shape(self, pos12, shape1, b, prediction),
+            _ => return DefaultQueryDispatcher.contact(pos12, shape1, shape2, prediction),
+        })
     }
 
     fn closest_points(
@@ -179,76 +161,43 @@ impl QueryDispatcher for HullDispatcher {
         shape2: &dyn Shape,
         max_dist: Real,
     ) -> Result<ClosestPoints, Unsupported> {
-        if let Some((pair, placement)) = pair(pos12, shape1, shape2) {
-            let settings = Settings::default();
-            let found = on_pair!(pair, a, b => hullmap::distance(a, b, placement.b_in_a, &settings, &mut Cache::new()));
+        if let Some((found, placement)) = solved_distance(pos12, shape1, shape2) {
             return Ok(closest_points(&found, &placement, max_dist));
         }
-        if let Some(pair) = surface_pair(pos12, shape1, shape2)
-            && let Some((found, _)) = pair.distance()
-        {
-            return Ok(closest_points(&found, &pair.placement, max_dist));
-        }
-        if let Some(composite) = shape1.as_composite_shape() {
-            return Ok(default::closest_points_composite_shape_shape(self, pos12, composite, shape2, max_dist));
-        }
-        if let Some(composite) = shape2.as_composite_shape() {
-            return Ok(default::closest_points_shape_composite_shape(self, pos12, shape1, composite, max_dist));
-        }
-        DefaultQueryDispatcher.closest_points(pos12, shape1, shape2, max_dist)
+        Ok(match split(shape1, shape2) {
+            [Composite(a), _] => default::closest_points_composite_shape_shape(self, pos12, a, shape2, max_dist),
+            [_, Composite(b)] => default::closest_points_shape_composite_shape(self, pos12, shape1, b, max_dist),
+            _ => return DefaultQueryDispatcher.closest_points(pos12, shape1, shape2, max_dist),
+        })
     }
 
     fn cast_shapes(
         &self,
         pos12: &Pose,
-        local_vel12: Vector,
+        velocity: Vector,
         shape1: &dyn Shape,
         shape2: &dyn Shape,
         options: ShapeCastOptions,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
-        if let Some(found) = pair(pos12, shape1, shape2)
-            && let Some(answer) = cast::cast(&found, local_vel12, &options)
+        if let Some(pair) = hull_pair(pos12, shape1, shape2)
+            && let Some(answer) = cast::cast(&pair, velocity, &options)
         {
             return Ok(answer);
         }
         if let Some(pair) = surface_pair(pos12, shape1, shape2)
-            && let Some(answer) = surface_cast::cast(&pair, local_vel12, &options)
+            && let Some(answer) = surface_cast::cast(&pair, velocity, &options)
         {
             return Ok(answer);
         }
-        if let Some(field) = shape1.as_heightfield() {
-            return default::cast_shapes_heightfield_shape(self, pos12, local_vel12, field, shape2, options);
-        }
-        if let Some(field) = shape2.as_heightfield() {
-            return default::cast_shapes_shape_heightfield(self, pos12, local_vel12, shape1, field, options);
-        }
-        if let Some(composite) = shape1.as_composite_shape() {
-            return Ok(default::cast_shapes_composite_shape_shape(
-                self,
-                pos12,
-                local_vel12,
-                composite,
-                shape2,
-                options,
-            ));
-        }
-        if let Some(composite) = shape2.as_composite_shape() {
-            return Ok(default::cast_shapes_shape_composite_shape(
-                self,
-                pos12,
-                local_vel12,
-                shape1,
-                composite,
-                options,
-            ));
-        }
-        if let Some(voxels) = shape1.as_voxels() {
-            return Ok(default::cast_shapes_voxels_shape(self, pos12, local_vel12, voxels, shape2, options));
-        }
-        if let Some(voxels) = shape2.as_voxels() {
-            return Ok(default::cast_shapes_shape_voxels(self, pos12, local_vel12, shape1, voxels, options));
-        }
-        DefaultQueryDispatcher.cast_shapes(pos12, local_vel12, shape1, shape2, options)
+        Ok(match split(shape1, shape2) {
+            [Field(a), _] => default::cast_shapes_heightfield_shape(self, pos12, velocity, a, shape2, options)?,
+            [_, Field(b)] => default::cast_shapes_shape_heightfield(self, pos12, velocity, shape1, b, options)?,
+            [Composite(a), _] => default::cast_shapes_composite_shape_shape(self, pos12, velocity, a, shape2, options),
+            [_, Composite(b)] => default::cast_shapes_shape_composite_shape(self, pos12, velocity, shape1, b, options),
+            [Voxels(a), _] => default::cast_shapes_voxels_shape(self, pos12, velocity, a, shape2, options),
+            [_, Voxels(b)] => default::cast_shapes_shape_voxels(self, pos12, velocity, shape1, b, options),
+            _ => return DefaultQueryDispatcher.cast_shapes(pos12, velocity, shape1, shape2, options),
+        })
     }
 
     /// hullmap solves convex shapes that it supports, compounds of them, surfaces and half-spaces.
@@ -259,45 +208,30 @@ impl QueryDispatcher for HullDispatcher {
         shape1: &dyn Shape,
         motion2: &NonlinearRigidMotion,
         shape2: &dyn Shape,
-        start_time: Real,
-        end_time: Real,
-        stop_at_penetration: bool,
+        start: Real,
+        end: Real,
+        stop: bool,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
-        let window = [start_time, end_time];
-        if let Some(answer) = motion::cast(self, [(shape1, motion1), (shape2, motion2)], window, stop_at_penetration) {
+        use default::{
+            cast_shapes_nonlinear_composite_shape_shape as of_composite,
+            cast_shapes_nonlinear_shape_composite_shape as onto_composite,
+        };
+        if let Some(answer) = motion::cast(self, [(shape1, motion1), (shape2, motion2)], [start, end], stop) {
             return Ok(answer);
         }
-        let (composite1, composite2) = (shape1.as_composite_shape(), shape2.as_composite_shape());
-        Ok(match (composite1, composite2) {
-            (Some(composite), _) => default::cast_shapes_nonlinear_composite_shape_shape(
-                self,
-                motion1,
-                composite,
-                motion2,
-                shape2,
-                start_time,
-                end_time,
-                stop_at_penetration,
-            ),
-            (None, Some(composite)) => default::cast_shapes_nonlinear_shape_composite_shape(
-                self,
-                motion1,
-                shape1,
-                motion2,
-                composite,
-                start_time,
-                end_time,
-                stop_at_penetration,
-            ),
-            (None, None) => DefaultQueryDispatcher.cast_shapes_nonlinear(
-                motion1,
-                shape1,
-                motion2,
-                shape2,
-                start_time,
-                end_time,
-                stop_at_penetration,
-            )?,
+        Ok(match split(shape1, shape2) {
+            [Composite(a), _] => of_composite(self, motion1, a, motion2, shape2, start, end, stop),
+            [_, Composite(b)] => onto_composite(self, motion1, shape1, motion2, b, start, end, stop),
+            _ => DefaultQueryDispatcher.cast_shapes_nonlinear(motion1, shape1, motion2, shape2, start, end, stop)?,
         })
     }
+}
+
+/// The distance of a pair that hullmap solves, in A's frame.
+fn solved_distance(pos12: &Pose, shape1: &dyn Shape, shape2: &dyn Shape) -> Option<(Distance, Placement)> {
+    if let Some(pair) = hull_pair(pos12, shape1, shape2) {
+        return Some((pair.distance(), pair.placement));
+    }
+    let pair = surface_pair(pos12, shape1, shape2)?;
+    Some((pair.distance()?.0, pair.placement))
 }

@@ -88,7 +88,7 @@ struct Cast<'m> {
     of_parry: [&'m NonlinearRigidMotion; 2],
     /// The motions in the window, over the times 0 to 1.
     motions: [Windowed; 2],
-    window: [Real; 2],
+    window: [f64; 2],
     stop_at_penetration: bool,
 }
 
@@ -151,13 +151,12 @@ impl<'m> Cast<'m> {
         window: [Real; 2],
         stop_at_penetration: bool,
     ) -> Option<Self> {
-        let times = window.map(double);
+        let window = window.map(double);
         // NaN takes the failing branch.
-        if !(times[0] <= times[1]) {
+        if !(window[0] <= window[1]) {
             return None;
         }
-        let [a, b] = of_parry;
-        let motions = [Windowed::new(a, times)?, Windowed::new(b, times)?];
+        let motions = [Windowed::new(of_parry[0], window)?, Windowed::new(of_parry[1], window)?];
         Some(Self { dispatcher, of_parry, motions, window, stop_at_penetration })
     }
 
@@ -245,7 +244,7 @@ impl<'m> Cast<'m> {
 
     /// Whether shapes meet at the start, and the caller does not stop there.
     fn is_ignored(&self, found: &TimeOfImpact) -> bool {
-        let [start, end] = self.window.map(double);
+        let [start, end] = self.window;
         !self.stop_at_penetration && found.hit && found.t_lower * (end - start) < AT_START
     }
 
@@ -259,7 +258,7 @@ impl<'m> Cast<'m> {
     /// The earlier one of the hits by a core and by parry's rule. Rapier ignores hits at the start,
     /// so such a hit by the rule counts only if there is no other.
     fn earlier(&self, mut core: Option<ShapeCastHit>, rule: Option<ShapeCastHit>) -> Option<ShapeCastHit> {
-        let is_at_start = rule.as_ref().is_some_and(|hit| double(hit.time_of_impact) - self.start() < AT_START);
+        let is_at_start = rule.as_ref().is_some_and(|hit| double(hit.time_of_impact) - self.window[0] < AT_START);
         if !(is_at_start && core.is_some()) {
             add(&mut core, rule);
         }
@@ -298,7 +297,7 @@ impl<'m> Cast<'m> {
     }
 
     fn by_rule(&self, a: &Mover<'_>, b: &Mover<'_>) -> Option<ShapeCastHit> {
-        let [start, end] = self.window;
+        let [start, end] = self.window.map(real);
         let hit = default::cast_shapes_nonlinear_support_map_support_map(
             self.dispatcher,
             &a.motion_of_parry,
@@ -327,7 +326,7 @@ impl<'m> Cast<'m> {
             let center = motion.pose_at(middle).inverse().transform_point(place);
             Ball { center, radius: (b.shape.outer_radius() + way) * turned + own, start: window[0] }
         };
-        let [_, end] = self.window.map(double);
+        let [_, end] = self.window;
         let test = |index: usize, shape: &dyn Convex| {
             let of_parry = tile.parry_triangle(index)?;
             let pose = narrow_pose(&tile.place());
@@ -355,12 +354,11 @@ impl<'m> Cast<'m> {
             let b_in_a = hullmap::Pose::relative(place, placed).ok()?;
             let cache = &mut Cache::new();
             if !hullmap::intersects(plane, b.shape, b_in_a, cache).is_hit() {
+                let [start, end] = self.window;
                 let rest = |motion: &NonlinearRigidMotion| {
-                    let [start, end] = self.window.map(double);
-                    Windowed::new(motion, [start + (end - start) * t, end])
+                    Windowed::new(motion, [start + (end - start) * t, end])?.piece_motion(hullmap::Pose::IDENTITY)
                 };
-                let [a, own] = [rest(self.of_parry[0])?, rest(&b.motion_of_parry)?];
-                let (a, own) = (a.piece_motion(hullmap::Pose::IDENTITY)?, own.piece_motion(hullmap::Pose::IDENTITY)?);
+                let (a, own) = (rest(self.of_parry[0])?, rest(&b.motion_of_parry)?);
                 let found = hullmap::cast_motion(plane, &a, b.shape, &own, &MotionSettings::default(), cache);
                 let later = |time: f64| t + (1.0 - t) * time;
                 let found = TimeOfImpact { t: later(found.t), t_lower: later(found.t_lower), ..found };
@@ -389,12 +387,8 @@ impl<'m> Cast<'m> {
         None
     }
 
-    fn start(&self) -> f64 {
-        double(self.window[0])
-    }
-
     fn share(&self, time: f64) -> f64 {
-        let [start, end] = self.window.map(double);
+        let [start, end] = self.window;
         if end > start { (time - start) / (end - start) } else { 0.0 }
     }
 
@@ -407,7 +401,7 @@ impl<'m> Cast<'m> {
         if !found.hit {
             return None;
         }
-        let [start, end] = self.window.map(double);
+        let [start, end] = self.window;
         let place =
             |side: usize| Some(self.motions.get(side)?.piece_motion(hullmap::Pose::IDENTITY)?.pose_at(found.t_lower));
         let (a, b) = (place(sides[0])?, place(sides[1])?);

@@ -3,7 +3,7 @@
 use hullmap::compound::seams::Union as _;
 use hullmap::glam::DVec3;
 
-use super::super::surface::{SurfaceTile, TileUnion};
+use super::super::surface::SurfaceTile;
 
 /// A ball that contains the body during a part of its motion, in the frame of the tile.
 pub(super) struct Ball {
@@ -25,7 +25,7 @@ pub(super) fn first_hit<H>(
         if first.as_ref().is_some_and(|(t, _)| *t < start) {
             break;
         }
-        TileUnion(tile).any_near(center, radius, &mut |near| {
+        tile.any_near(center, radius, &mut |near| {
             if let Some(found) = test(near.index, near.shape)
                 && first.as_ref().is_none_or(|(t, _)| found.0 < *t)
             {

@@ -1,39 +1,22 @@
 //! A pair of parry's shapes that hullmap solves, and the conversion of answers to parry's frames.
 
 use hullmap::glam::DVec3;
-use hullmap::shapes::HalfSpace;
-use hullmap::{Distance, Pose, Status};
+use hullmap::{Cache, Distance, Geometry, Pose, Settings, Status};
 
-use super::super::convert::{narrow, real, wide, wide_pose};
+use super::super::convert::{narrow, real, wide_pose};
 use super::super::parry;
 use super::super::parry::math::{Real, Vector};
-use super::super::parry::query::ClosestPoints;
+use super::super::parry::query::{ClosestPoints, Contact};
 use super::super::parry::shape::Shape;
 use super::BakedHull;
-use super::primitive::Primitive;
+use super::pieces::Convex;
 
-/// A pair with a baked hull. A is always a hull.
-pub(super) enum HullPair<'s> {
-    Hulls(&'s BakedHull, &'s BakedHull),
-    Primitive(&'s BakedHull, Primitive),
+/// A baked hull, which is A, and a convex shape, which is B.
+pub(super) struct HullPair<'s> {
+    pub(super) a: &'s BakedHull,
+    pub(super) b: Convex<'s>,
+    pub(super) placement: Placement,
 }
-
-/// Evaluates `$answer` with the shapes of `$pair` as `$a` and `$b`. [`HullPair`] must be in scope.
-macro_rules! on_pair {
-    ($pair:expr, $a:ident, $b:ident => $answer:expr) => {
-        match &$pair {
-            HullPair::Hulls($a, $b) => {
-                let ($a, $b) = (&**$a, &**$b);
-                $answer
-            }
-            HullPair::Primitive($a, primitive) => {
-                let ($a, $b) = (&**$a, primitive.shape());
-                $answer
-            }
-        }
-    };
-}
-pub(super) use on_pair;
 
 #[derive(Clone, Copy)]
 pub(super) struct Placement {
@@ -51,36 +34,32 @@ pub(super) struct Local {
 
 /// The pair of two shapes at `pos12`, the pose of the second shape in the frame of the first.
 /// `None` if hullmap does not solve it.
-pub(super) fn pair<'s>(
+#[inline]
+pub(super) fn hull_pair<'s>(
     pos12: &parry::math::Pose,
     shape1: &'s dyn Shape,
     shape2: &'s dyn Shape,
-) -> Option<(HullPair<'s>, Placement)> {
-    let (pair, flipped) = match (shape1.as_shape::<BakedHull>(), shape2.as_shape::<BakedHull>()) {
-        (Some(a), Some(b)) => (HullPair::Hulls(a, b), false),
-        (Some(hull), None) => (HullPair::Primitive(hull, Primitive::from_shape(shape2)?), false),
-        (None, Some(hull)) => (HullPair::Primitive(hull, Primitive::from_shape(shape1)?), true),
+) -> Option<HullPair<'s>> {
+    let (a, b, flipped) = match (shape1.as_shape::<BakedHull>(), shape2.as_shape::<BakedHull>()) {
+        (Some(hull), _) => (hull, shape2, false),
+        (None, Some(hull)) => (hull, shape1, true),
         (None, None) => return None,
     };
-    Some((pair, placement(pos12, flipped)?))
+    Some(HullPair { a, b: Convex::from_shape(b)?, placement: placement(pos12, flipped)? })
 }
 
-/// A half-space and a hull at `pos12`. A is the half-space.
-pub(super) fn plane<'s>(
-    pos12: &parry::math::Pose,
-    shape1: &'s dyn Shape,
-    shape2: &'s dyn Shape,
-) -> Option<(HalfSpace, &'s BakedHull, Placement)> {
-    let plane = |shape: &dyn Shape| {
-        let found = shape.as_shape::<parry::shape::HalfSpace>()?;
-        HalfSpace::new(wide(found.normal), 0.0).ok()
-    };
-    let (a, b, flipped) = match (shape1.as_shape::<BakedHull>(), shape2.as_shape::<BakedHull>()) {
-        (None, Some(hull)) => (plane(shape1)?, hull, false),
-        (Some(hull), None) => (plane(shape2)?, hull, true),
-        _ => return None,
-    };
-    Some((a, b, placement(pos12, flipped)?))
+impl HullPair<'_> {
+    pub(super) fn intersects(&self) -> bool {
+        hullmap::intersects(self.a, &self.b, self.placement.b_in_a, &mut Cache::new()).is_hit()
+    }
+
+    pub(super) fn distance(&self) -> Distance {
+        hullmap::distance(self.a, &self.b, self.placement.b_in_a, &Settings::default(), &mut Cache::new())
+    }
+
+    pub(super) fn nearest(&self) -> Nearest {
+        Nearest::find(self.a, &self.b, self.placement.b_in_a, &mut Cache::new())
+    }
 }
 
 pub(super) fn placement(pos12: &parry::math::Pose, flipped: bool) -> Option<Placement> {
@@ -116,5 +95,42 @@ impl Placement {
     /// The normal from A to B in A's frame, from parry's first normal in its first frame.
     pub(super) fn axis(&self, normal1: DVec3) -> DVec3 {
         if self.flipped { self.b_in_a.transform_vector(-normal1) } else { normal1 }
+    }
+}
+
+/// Deepest or closest points of a pair, in A's frame. The normal has unit length.
+pub(super) struct Nearest {
+    pub(super) point_a: DVec3,
+    pub(super) point_b: DVec3,
+    /// From A to B.
+    pub(super) normal: DVec3,
+    /// Negative if the shapes overlap.
+    pub(super) dist: f64,
+}
+
+impl Nearest {
+    pub(super) fn find<A: Geometry + ?Sized, B: Geometry + ?Sized>(
+        a: &A,
+        b: &B,
+        b_in_a: Pose,
+        cache: &mut Cache,
+    ) -> Self {
+        let settings = &Settings::default();
+        let found = hullmap::contact(a, b, b_in_a, settings, cache);
+        if found.hit {
+            let (point_a, point_b) = (found.point_a, found.point_b);
+            return Self { point_a, point_b, normal: found.normal, dist: -found.depth };
+        }
+        let gap = hullmap::distance(a, b, b_in_a, settings, cache);
+        Self { point_a: gap.point_a, point_b: gap.point_b, normal: gap.normal, dist: gap.distance }
+    }
+
+    /// parry's contact, if the distance is at most `prediction`.
+    pub(super) fn contact(&self, placement: &Placement, prediction: Real) -> Option<Contact> {
+        let dist = real(self.dist);
+        // NaN takes the failing branch.
+        let near = dist <= prediction;
+        let Local { points: [p1, p2], normals: [n1, n2] } = placement.local(self.point_a, self.point_b, self.normal);
+        near.then(|| Contact::new(p1, p2, n1, n2, dist))
     }
 }

@@ -12,7 +12,7 @@ use super::super::parry::query::{
 use super::super::parry::shape::Shape;
 use super::HullDispatcher;
 use super::compound_union::CompoundUnion;
-use super::manifold::solve;
+use super::manifold::contact_manifold_convex_convex;
 
 pub(super) struct PartDispatcher<'c> {
     compounds: [Option<CompoundUnion<'c>>; 2],
@@ -56,21 +56,8 @@ where
             compound1.as_ref().and_then(|compound| compound.part(manifold.subshape1 as usize)),
             compound2.as_ref().and_then(|compound| compound.part(manifold.subshape2 as usize)),
         ];
-        if normal_constraints1.is_none()
-            && normal_constraints2.is_none()
-            && solve(pos12, shape1, shape2, prediction, parts, manifold)
-        {
-            return Ok(());
-        }
-        HullDispatcher.contact_manifold_convex_convex(
-            pos12,
-            shape1,
-            shape2,
-            normal_constraints1,
-            normal_constraints2,
-            prediction,
-            manifold,
-        )
+        let constraints = [normal_constraints1, normal_constraints2];
+        contact_manifold_convex_convex(pos12, [shape1, shape2], constraints, prediction, parts, manifold)
     }
 }
 

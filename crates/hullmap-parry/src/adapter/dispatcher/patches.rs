@@ -80,35 +80,28 @@ pub(super) fn deepest(points: &[PatchPoint]) -> Vec<bool> {
     points.iter().enumerate().map(stays).collect()
 }
 
-pub(super) struct Body<'b> {
-    pub(super) hull: &'b BakedHull,
-    /// Whether it is parry's second shape.
-    pub(super) is_second: bool,
-}
-
-impl Body<'_> {
-    /// The points in the body's frame.
-    pub(super) fn points<M, C>(&self, manifolds: &[ContactManifold<M, C>]) -> Vec<DVec3> {
-        places(manifolds, self.is_second)
+/// Leaves at most four points of a hull for each normal. `is_second` says whether it is parry's
+/// second shape, and `before` are its points in the last step, in its frame.
+pub(super) fn thin<M, C>(
+    manifolds: &mut [ContactManifold<M, C>],
+    (hull, is_second): (&BakedHull, bool),
+    before: &[DVec3],
+    prediction: Real,
+) {
+    if manifolds.iter().filter(|manifold| !manifold.points.is_empty()).count() < 2 {
+        return;
     }
-
-    /// Leaves at most four points for each normal. `before` are the points of the last step.
-    pub(super) fn thin<M, C>(&self, manifolds: &mut [ContactManifold<M, C>], before: &[DVec3], prediction: Real) {
-        if manifolds.iter().filter(|manifold| !manifold.points.is_empty()).count() < 2 {
-            return;
-        }
-        let mut points = Vec::new();
-        for manifold in manifolds.iter() {
-            let normal = wide(if self.is_second { manifold.local_n2 } else { manifold.local_n1 });
-            let own = places(std::slice::from_ref(manifold), self.is_second);
-            let depths = manifold.points.iter().map(|point| -double(point.dist));
-            points.extend(own.into_iter().zip(depths).map(|(place, depth)| PatchPoint { place, normal, depth }));
-        }
-        let body = Supported { center: self.hull.interior_point(), radius: self.hull.outer_radius() };
-        let mut stays = thinned(&points, before, body, prediction).into_iter();
-        for manifold in manifolds {
-            manifold.points.retain(|_| stays.next() == Some(true));
-        }
+    let mut points = Vec::new();
+    for manifold in manifolds.iter() {
+        let normal = wide(if is_second { manifold.local_n2 } else { manifold.local_n1 });
+        let own = places(std::slice::from_ref(manifold), is_second);
+        let depths = manifold.points.iter().map(|point| -double(point.dist));
+        points.extend(own.into_iter().zip(depths).map(|(place, depth)| PatchPoint { place, normal, depth }));
+    }
+    let body = Supported { center: hull.interior_point(), radius: hull.outer_radius() };
+    let mut stays = thinned(&points, before, body, prediction).into_iter();
+    for manifold in manifolds {
+        manifold.points.retain(|_| stays.next() == Some(true));
     }
 }
 

@@ -1,5 +1,7 @@
 //! Convex pieces of a parry shape, which hullmap solves.
 
+use hullmap::geometry::{Geometry, Visitor};
+
 use super::super::convert::wide_pose;
 use super::super::parry::math::Pose;
 use super::super::parry::shape::{Compound, Shape};
@@ -9,6 +11,33 @@ use super::primitive::Primitive;
 pub(super) enum Convex<'s> {
     Hull(&'s BakedHull),
     Primitive(Primitive),
+}
+
+impl<'s> Convex<'s> {
+    /// `None` for a shape that hullmap does not solve.
+    #[inline]
+    pub(super) fn from_shape(shape: &'s dyn Shape) -> Option<Self> {
+        match shape.as_shape::<BakedHull>() {
+            Some(hull) => Some(Self::Hull(hull)),
+            None => Primitive::from_shape(shape).map(Self::Primitive),
+        }
+    }
+
+    pub(super) fn shape(&self) -> &dyn hullmap::Shape {
+        match self {
+            Self::Hull(hull) => *hull,
+            Self::Primitive(primitive) => primitive.shape(),
+        }
+    }
+}
+
+impl Geometry for Convex<'_> {
+    fn visit<V: Visitor>(&self, visitor: V) -> V::Output {
+        match self {
+            Self::Hull(hull) => visitor.shape(*hull),
+            Self::Primitive(primitive) => visitor.shape(primitive.shape()),
+        }
+    }
 }
 
 pub(super) struct Piece<'s> {
@@ -23,10 +52,7 @@ pub(super) struct Piece<'s> {
 
 impl Piece<'_> {
     pub(super) fn shape(&self) -> &dyn hullmap::Shape {
-        match &self.convex {
-            Convex::Hull(hull) => *hull,
-            Convex::Primitive(primitive) => primitive.shape(),
-        }
+        self.convex.shape()
     }
 }
 
@@ -39,10 +65,6 @@ pub(super) fn pieces(shape: &dyn Shape) -> Option<Vec<Piece<'_>>> {
     parts.collect()
 }
 
-fn piece<'s>(shape: &'s dyn Shape, pose: &Pose, subshape: u32) -> Option<Piece<'s>> {
-    let convex = match shape.as_shape::<BakedHull>() {
-        Some(hull) => Convex::Hull(hull),
-        None => Convex::Primitive(Primitive::from_shape(shape)?),
-    };
-    Some(Piece { convex, of_parry: shape, place: wide_pose(pose)?, pose: *pose, subshape })
+fn piece<'s>(of_parry: &'s dyn Shape, pose: &Pose, subshape: u32) -> Option<Piece<'s>> {
+    Some(Piece { convex: Convex::from_shape(of_parry)?, of_parry, place: wide_pose(pose)?, pose: *pose, subshape })
 }

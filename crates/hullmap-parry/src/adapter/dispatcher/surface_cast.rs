@@ -8,14 +8,14 @@
 
 use hullmap::glam::DVec3;
 use hullmap::shapes::Rounded;
-use hullmap::{Cache, CastSettings, Impact, Motion, Settings, Shape};
+use hullmap::{Cache, CastSettings, Geometry, Impact, Motion, Pose, Shape};
 
 use super::super::convert::wide;
 use super::super::parry::math::Vector;
 use super::super::parry::query::{ShapeCastHit, ShapeCastOptions};
 use super::cast::Cast;
 use super::nearby::{Ball, first_hit};
-use super::nearest::Nearest;
+use super::pair::Nearest;
 use super::surface_pair::{Part, SurfacePair};
 
 const BALLS: u32 = 32;
@@ -50,18 +50,25 @@ pub(super) fn cast(
 /// The first impact of a tile and a piece, in the frame of the tile; `None` for invalid numbers.
 fn part_cast(cast: &Cast<'_>, Part { tile, piece, b_in_a }: &Part<'_>, max_t: f64) -> Option<Impact> {
     let motion = Motion::new(tile.place().inverse_transform_vector(cast.velocity)).ok()?;
-    let (settings, cache) = (CastSettings { max_t, ..CastSettings::default() }, &mut Cache::with_pairs(1));
-    if !(cast.target > 0.0) {
-        return Some(hullmap::cast(*tile, piece.shape(), *b_in_a, motion, &settings, cache));
-    }
-    let grown = Rounded::new(piece.shape(), cast.target).ok()?;
-    Some(as_if_grown(hullmap::cast(*tile, &grown, *b_in_a, motion, &settings, cache), cast.target))
+    let settings = CastSettings { max_t, ..CastSettings::default() };
+    impact((*tile, piece.shape(), *b_in_a), motion, cast.target, &settings, &mut Cache::with_pairs(1))
 }
 
-/// Converts an impact on a grown body to an impact on a grown surface, which [`Cast::hit`] expects.
-fn as_if_grown(impact: Impact, target: f64) -> Impact {
+/// The first impact of `a`, grown by `target`, and `b`; `None` if the target is invalid.
+fn impact<A: Geometry + ?Sized>(
+    (a, b, b_in_a): (&A, &dyn Shape, Pose),
+    motion: Motion,
+    target: f64,
+    settings: &CastSettings,
+    cache: &mut Cache,
+) -> Option<Impact> {
+    if !(target > 0.0) {
+        return Some(hullmap::cast(a, b, b_in_a, motion, settings, cache));
+    }
+    // B grows instead of A. The points are moved to where a grown A would have them.
+    let impact = hullmap::cast(a, &Rounded::new(b, target).ok()?, b_in_a, motion, settings, cache);
     let shift = impact.normal * target;
-    Impact { point_a: impact.point_a + shift, point_b: impact.point_b + shift, ..impact }
+    Some(Impact { point_a: impact.point_a + shift, point_b: impact.point_b + shift, ..impact })
 }
 
 fn beyond_start(pair: &SurfacePair<'_>, cast: &Cast<'_>, part: &Part<'_>) -> Option<ShapeCastHit> {
@@ -76,35 +83,19 @@ fn beyond_start(pair: &SurfacePair<'_>, cast: &Cast<'_>, part: &Part<'_>) -> Opt
         if behind {
             return None;
         }
-        let (impact, contact) = convex_cast(cast, (triangle, shape), *b_in_a, motion)?;
-        let hit = match contact {
-            Some(contact) => cast.start(&part.nearest_in_surface(contact), impact.t)?,
-            None => cast.hit(&part.in_surface(&impact)),
+        let (settings, cache) = (CastSettings { max_t: cast.max_t, ..CastSettings::default() }, &mut Cache::new());
+        let impact = impact((triangle, shape, *b_in_a), motion, cast.target, &settings, cache)?;
+        if !cast.is_hit(&impact) {
+            return None;
+        }
+        let hit = if cast.is_at_start(&impact) {
+            cast.start(&part.nearest_in_surface(Nearest::find(triangle, shape, *b_in_a, cache)), impact.t)?
+        } else {
+            cast.hit(&part.in_surface(&impact))
         };
         Some((impact.t, pair.numbered(hit, part.subshapes(index as u32))))
     };
     first_hit(tile, way(cast, part, velocity), test).map(|(_, hit)| hit)
-}
-
-/// The first impact of a triangle and a convex shape, and their contact if it is at the start.
-fn convex_cast(
-    cast: &Cast<'_>,
-    (a, b): (&dyn Shape, &dyn Shape),
-    b_in_a: hullmap::Pose,
-    motion: Motion,
-) -> Option<(Impact, Option<Nearest>)> {
-    let (settings, cache) = (CastSettings { max_t: cast.max_t, ..CastSettings::default() }, &mut Cache::new());
-    let impact = if cast.target > 0.0 {
-        let grown = Rounded::new(b, cast.target).ok()?;
-        as_if_grown(hullmap::cast(a, &grown, b_in_a, motion, &settings, cache), cast.target)
-    } else {
-        hullmap::cast(a, b, b_in_a, motion, &settings, cache)
-    };
-    if !cast.is_hit(&impact) {
-        return None;
-    }
-    let contact = cast.is_at_start(&impact).then(|| Nearest::find(a, b, b_in_a, &Settings::default(), cache));
-    Some((impact, contact))
 }
 
 /// Balls that cover the path of a piece, until it is beyond the tile.

@@ -22,9 +22,8 @@ use hullmap::{CompoundManifolds, EdgeClass, Manifold, ManifoldSettings};
 use super::super::convert::{double, real, wide};
 use super::super::parry::bounding_volume::BoundingVolume as _;
 use super::super::parry::math::{Pose, Real};
-use super::super::parry::query::details::{TypedWorkspaceData, VoxelsShapeContactManifoldsWorkspace, WorkspaceData};
 use super::super::parry::query::{ContactManifold, TrackedContact};
-use super::super::surface::{Sheet, SurfaceTile, TileUnion, on_sheet};
+use super::super::surface::{SurfaceTile, on_sheet};
 use super::compound_union::CompoundUnion;
 use super::manifold::{barely_moved, packed, settings};
 use super::pair::Placement;
@@ -54,18 +53,6 @@ pub(super) struct SurfaceMemory {
     written: usize,
     /// The pose of the body in the frame of the surface in the last update.
     last: Option<hullmap::Pose>,
-    /// See [`Memory`](super::memory::Memory).
-    saved_as: VoxelsShapeContactManifoldsWorkspace<2>,
-}
-
-impl WorkspaceData for SurfaceMemory {
-    fn as_typed_workspace_data(&self) -> TypedWorkspaceData<'_> {
-        TypedWorkspaceData::VoxelsShapeContactManifoldsWorkspace(&self.saved_as)
-    }
-
-    fn clone_dyn(&self) -> Box<dyn WorkspaceData> {
-        Box::new(self.clone())
-    }
 }
 
 #[derive(Clone)]
@@ -153,11 +140,8 @@ impl SurfaceMemory {
         let around = pair.body_bounds().loosened(prediction);
         let near: Vec<&SurfaceTile> =
             pair.surface.tiles().iter().filter(|tile| tile.bounds().intersects(&around)).collect();
-        let unions: Vec<TileUnion<'_>> = near.iter().copied().map(TileUnion).collect();
-        let tiles: Vec<Tile<'_>> = unions
-            .iter()
-            .map(|union| Tile { union, parts: union.0.triangle_count(), place: union.0.place() })
-            .collect();
+        let tiles: Vec<Tile<'_>> =
+            near.iter().map(|tile| Tile { union: *tile, parts: tile.triangle_count(), place: tile.place() }).collect();
         let (joined, settings, of_body) =
             (Joined::new(&tiles), settings(prediction), CompoundUnion::from_shape(pair.body));
         for part in pair.parts() {
@@ -165,7 +149,7 @@ impl SurfaceMemory {
             let shape = part.piece.shape();
             let center = part.b_in_a.transform_point(shape.interior_point());
             let reach = shape.outer_radius() + double(prediction);
-            if !TileUnion(part.tile).any_near(center, reach, &mut |_| true) {
+            if !part.tile.any_near(center, reach, &mut |_| true) {
                 continue;
             }
             let joined = (tiles.len() > 1).then_some((&joined, index));
@@ -351,11 +335,11 @@ impl OnTile<'_> {
     /// Corrects normals at internal edges of the compound that the piece is in.
     fn weld(&self, manifolds: &mut CompoundManifolds, before: &[([usize; 2], Manifold)], union: &CompoundUnion<'_>) {
         let Self { part: Part { tile, piece, b_in_a }, settings, .. } = self;
-        let (of_tile, new) = (TileUnion(tile), Manifold::new());
+        let new = Manifold::new();
         for (pair, manifold) in manifolds.iter_mut() {
             let Some(triangle) = tile.triangle(pair[0]) else { continue };
             let before = before.iter().find(|(old, _)| *old == pair).map_or(&new, |(_, manifold)| manifold);
-            let a = Side { shape: &triangle, union: Some((&of_tile as &dyn Union, pair[0], hullmap::Pose::IDENTITY)) };
+            let a = Side { shape: &triangle, union: Some((*tile as &dyn Union, pair[0], hullmap::Pose::IDENTITY)) };
             let b = Side { shape: piece.shape(), union: union.part(piece.subshape as usize) };
             seams::weld(manifold, before, &a, &b, *b_in_a, settings);
         }

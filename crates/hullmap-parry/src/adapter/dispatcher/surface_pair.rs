@@ -8,8 +8,7 @@ use super::super::parry::bounding_volume::Aabb;
 use super::super::parry::query::ShapeCastHit;
 use super::super::parry::shape::Shape;
 use super::super::surface::{BakedSurface, SurfaceTile};
-use super::nearest::Nearest;
-use super::pair::{Placement, placement};
+use super::pair::{Nearest, Placement, placement};
 use super::pieces::{Piece, pieces};
 
 /// A surface, which is A, and a body, which is B.

@@ -14,9 +14,9 @@ use super::parry::bounding_volume::{Aabb, BoundingVolume as _};
 use super::parry::math::Pose;
 use super::parry::partitioning::Bvh;
 use super::parry::shape::SharedShape;
-pub use tile::{Sheet, SurfaceTile};
 #[cfg(feature = "dispatcher")]
-pub(super) use tile::{TileUnion, on_sheet};
+pub(super) use tile::on_sheet;
+pub use tile::{Sheet, SurfaceTile};
 
 /// A static triangle mesh or height field as a parry shape, or several that meet.
 ///

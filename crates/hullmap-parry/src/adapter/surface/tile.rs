@@ -15,26 +15,15 @@ use super::super::parry::bounding_volume::{Aabb, BoundingVolume as _};
 use super::super::parry::math::{Pose, Real};
 
 /// Evaluates `$answer` with `$sheet` bound to the mesh or the field of `$tile`, one-sided if the
-/// tile is. [`Sheet`] must be in scope.
+/// tile is.
 macro_rules! on_sheet {
     ($tile:expr, $sheet:ident => $answer:expr) => {
-        match ($tile.sheet(), $tile.is_one_sided()) {
-            (Sheet::Mesh(mesh), false) => {
-                let $sheet = &**mesh;
-                $answer
-            }
-            (Sheet::Mesh(mesh), true) => {
-                let $sheet = &hullmap::compound::OneSided::new(&**mesh);
-                $answer
-            }
-            (Sheet::Field(field), false) => {
-                let $sheet = &**field;
-                $answer
-            }
-            (Sheet::Field(field), true) => {
-                let $sheet = &hullmap::compound::OneSided::new(&**field);
-                $answer
-            }
+        if $tile.is_one_sided() {
+            let $sheet = &hullmap::compound::OneSided::new($tile.sheet());
+            $answer
+        } else {
+            let $sheet = $tile.sheet();
+            $answer
         }
     };
 }
@@ -180,19 +169,16 @@ fn bounds(sheet: &Sheet, pose: &Pose) -> Aabb {
 }
 
 #[cfg(feature = "dispatcher")]
-pub(in super::super) struct TileUnion<'t>(pub(in super::super) &'t SurfaceTile);
-
-#[cfg(feature = "dispatcher")]
-impl Union for TileUnion<'_> {
+impl Union for SurfaceTile {
     fn any_near(&self, point: DVec3, reach: f64, test: &mut dyn FnMut(Neighbour<'_>) -> bool) -> bool {
-        on_sheet!(self.0, sheet => seams::union_of(sheet).any_near(point, reach, test))
+        on_sheet!(self, sheet => seams::union_of(sheet).any_near(point, reach, test))
     }
 
     fn face_towards(&self, part: usize, dir: DVec3) -> Option<DVec3> {
-        on_sheet!(self.0, sheet => seams::union_of(sheet).face_towards(part, dir))
+        on_sheet!(self, sheet => seams::union_of(sheet).face_towards(part, dir))
     }
 
     fn faces_near(&self, part: usize, vertex: u32, visit: &mut dyn FnMut(DVec3, DVec3)) {
-        on_sheet!(self.0, sheet => seams::union_of(sheet).faces_near(part, vertex, visit))
+        on_sheet!(self, sheet => seams::union_of(sheet).faces_near(part, vertex, visit))
     }
 }
