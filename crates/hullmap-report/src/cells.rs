@@ -14,7 +14,7 @@ use hullmap_format::{
     IndexKind,
     cube::{self, GRID_BITS},
     fan,
-    node::Node,
+    node::{Node, Words},
     slot::{BUNDLE_PLANES, Slot},
 };
 
@@ -184,7 +184,7 @@ impl Drawing<'_> {
 
     /// Cuts a cell by the plane at `at`, whose slots are behind and in front.
     fn plane(&mut self, cell: &Pending, at: usize, slots: &[u32]) {
-        let height = on_face(cell.face, self.index.normal(at, 1, 0));
+        let height = on_face(cell.face, self.index.words[..].normal(at, 1, 0));
         let sides = cut(&cell.outline, height);
         if slots.first() != slots.last() {
             self.chord(cell.face, &sides[0], height, cell.depth);
@@ -200,7 +200,7 @@ impl Drawing<'_> {
             let (first, share) = ((1 << level) - 1, 8 >> level);
             let mut halves = Vec::new();
             for (i, outline) in parts.iter().enumerate() {
-                let height = on_face(cell.face, self.index.normal(at, BUNDLE_PLANES, first + i));
+                let height = on_face(cell.face, self.index.words[..].normal(at, BUNDLE_PLANES, first + i));
                 let sides = cut(outline, height);
                 let below = &slots[i * share..(i + 1) * share];
                 if below[..share / 2] != below[share / 2..] {
@@ -217,8 +217,9 @@ impl Drawing<'_> {
 
     fn fan(&mut self, cell: &Pending, at: usize, slots: &[u32]) {
         let step_count = slots.len();
-        let [x, y] = [fan::X_AXIS, fan::Y_AXIS].map(|axis| on_face(cell.face, self.index.vector(at, axis)));
-        let [start, rate] = [fan::START, fan::RATE].map(|index| self.index.number(at, index));
+        let [x, y] =
+            [fan::X_AXIS, fan::Y_AXIS].map(|axis| on_face(cell.face, self.index.words[..].node_vector(at, axis)));
+        let [start, rate] = [fan::START, fan::RATE].map(|index| self.index.words[..].node_number(at, index));
         let word = |step: usize| slots[step];
         // The first step starts at the minimum angle, the last ends at the maximum: a full turn.
         let (first_angle, last_angle) = (-1.0, fan::TURN - 1.0);

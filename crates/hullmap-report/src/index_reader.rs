@@ -147,21 +147,6 @@ impl IndexReader {
     pub fn slots(&self, node: Node) -> &[u32] {
         self.words.get(node.slots()).unwrap_or_default()
     }
-
-    /// The number of index `index` at the front of the node at `at`.
-    pub fn number(&self, at: usize, index: usize) -> f64 {
-        self.words[..].node_number(at, index)
-    }
-
-    /// The vector that starts with the number of index `index`, likewise.
-    pub fn vector(&self, at: usize, index: usize) -> [f64; 3] {
-        self.words[..].node_vector(at, index)
-    }
-
-    /// Normal of plane `plane` of the node at `at`, which has `count` planes.
-    pub fn normal(&self, at: usize, count: usize, plane: usize) -> [f64; 3] {
-        self.words[..].normal(at, count, plane)
-    }
 }
 
 fn ends(hull: &Hull) -> Vec<End> {

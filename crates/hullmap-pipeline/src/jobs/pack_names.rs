@@ -147,17 +147,6 @@ mod tests {
         assert_eq!(names_of(&["level.obj", "level.stl"], Some(false), kind), ["o/level.hullmesh", "o/level.hullmap"]);
     }
 
-    /// It was suggested for meshes of the same name, too, which it cannot help.
-    #[test]
-    fn full_names_are_suggested_only_where_they_differ() {
-        for (second, helps) in [("b/x.stl", true), ("b/x.obj", false)] {
-            let meshes = ["a/x.obj", second].map(|mesh| Mesh { source: mesh.into(), folder: "o".into() });
-            let unnamed = |mesh| Unnamed { mesh, keeps_extension: Some(false), kind: FileKind::Pack };
-            let clash = pack_names(&[unnamed(&meshes[0]), unnamed(&meshes[1])])[0].clash.clone().unwrap();
-            assert_eq!(clash.contains("--set pack_names=full"), helps, "{clash}");
-        }
-    }
-
     #[test]
     fn automatic_names_never_clash_and_do_not_depend_on_the_order() {
         let all = ["a.obj", "A.stl", "a.obj.ply", "a.obj.ply.glb", "b.stl", "b.obj.stl", "b", "a.b.obj", "a.b"];

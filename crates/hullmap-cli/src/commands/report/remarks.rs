@@ -90,39 +90,3 @@ pub fn excess(hull: &Hull) -> Option<f64> {
         .filter(|_| hull.part_count() <= 1 && hull.solid().is_none() && hull.rank() == 3)?;
     advice::excess(hull.volume(), mesh.mass)
 }
-
-#[cfg(test)]
-mod tests {
-    use hullmap_bake::{IndexKind, PointSet, SourceRecord, bake_hull, write_pack};
-
-    use super::*;
-    use hullmap_verify::random::SplitMix;
-
-    fn warnings(positions: Vec<[f32; 3]>) -> String {
-        let set = PointSet { name: "cloud".to_owned(), ..PointSet::of_positions(positions) };
-        let bytes = write_pack(&[bake_hull(&set, IndexKind::Tree).unwrap()], &SourceRecord::default()).unwrap();
-        let found = remarks(&Pack::from_bytes(&bytes).unwrap(), Vec::new(), None, &BTreeMap::new());
-        assert!(found.notes.is_empty());
-        found.warnings.join("|")
-    }
-
-    #[test]
-    fn each_oddity_gets_its_own_warning() {
-        let mut random = SplitMix::new(9);
-        let cloud: Vec<[f32; 3]> = (0..200).map(|_| random.in_ball().to_array()).collect();
-        let moved = |by: f32, flat: f32| cloud.iter().map(|&[x, y, z]| [x + by, y, z * flat]).collect::<Vec<_>>();
-        for (positions, expected) in [
-            (cloud.clone(), ""),
-            (moved(0.0, 1e-5), "hull cloud is thin:"),
-            (moved(0.0, 0.0), "hull cloud is flat:"),
-            (vec![[0.0; 3], [1.0; 3], [2.0; 3]], "hull cloud is a segment:"),
-            (vec![[0.0; 3], [0.0; 3]], "hull cloud is a point:"),
-            (vec![[0.0; 3]], ""),
-            (moved(1e5, 1.0), "object cloud: 100001 from the origin"),
-        ] {
-            let found = warnings(positions);
-            assert!(found.starts_with(expected) && !found.contains('|'), "{expected} {found}");
-            assert_eq!(found.is_empty(), expected.is_empty(), "{found}");
-        }
-    }
-}
