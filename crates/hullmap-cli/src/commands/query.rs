@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::args::{Mode, QueryArgs};
 use crate::pair::{PairAnswer, PairSolver, Side};
 use crate::pose::{parse_pose, read_poses};
-use crate::selection::Selection;
+use crate::selection::{Selection, hull_index};
 use crate::table::{Table, or_dash};
 use crate::terminal::Output;
 use hullmap_geometry::number::rounded;
@@ -76,14 +76,11 @@ fn choose<'a>(selection: &Selection, asset: &'a Asset) -> Result<Side<'a>, Failu
         }
     };
     let hulls: Vec<Hull> = pack.hulls().collect();
-    if let ([only], None) = (hulls.as_slice(), &selection.hull) {
-        return Ok(Side::Hull(Box::new(*only)));
-    }
-    if selection.hull.is_none() {
-        return Ok(Side::Asset(asset));
-    }
+    let Some(wanted) = &selection.hull else {
+        return Ok(if let [only] = hulls[..] { Side::Hull(Box::new(only)) } else { Side::Asset(asset) });
+    };
     let names: Vec<&str> = hulls.iter().map(|hull| hull.name()).collect();
-    let index = selection.choose(&names)?;
+    let index = hull_index(&selection.file, wanted, &names)?;
     Ok(Side::Hull(Box::new(hulls[index])))
 }
 

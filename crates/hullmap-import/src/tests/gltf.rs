@@ -1,4 +1,4 @@
-//! glTF files as exporters and converters write them: extensions, missing buffers, primitive restart.
+//! glTF files as exporters and converters write them: Meshopt, missing buffers, restarted strips.
 
 use shapes::gltf;
 

@@ -18,7 +18,7 @@ use hullmap_import::{Limits, Split, UpAxis};
 use serde::Serialize;
 
 use crate::args::export::{ExportArgs, Format, Target};
-use crate::selection::Selection;
+use crate::selection::hull_index;
 use crate::terminal::{self, Output};
 use hullmap_geometry::number::{grouped, rounded};
 use hullmap_pipeline::mesh_file::body::{Body, DENSITY, Inertial, counts};
@@ -325,8 +325,7 @@ fn selected(args: &ExportArgs, path: &Path, pack: &Pack) -> Result<(Vec<usize>, 
     let names: Vec<&str> = pack.hulls().map(|hull| hull.name()).collect();
     let mut is_chosen = vec![args.hulls.is_empty(); names.len()];
     for hull in &args.hulls {
-        let selection = Selection { file: path.to_owned(), hull: Some(hull.clone()) };
-        is_chosen[selection.choose(&names)?] = true;
+        is_chosen[hull_index(path, hull, &names)?] = true;
     }
     let chosen = pack.hulls().enumerate().zip(is_chosen).filter(|(_, is_chosen)| *is_chosen);
     let (indices, bodies): (Vec<usize>, Vec<Body>) =
