@@ -287,7 +287,7 @@ impl Description {
         let known = names.packages.iter().find_map(|package| package.name_of(mesh, target));
         let in_package = known.or_else(|| {
             let package = NamedPackage::above(names.packages.first()?.scheme, mesh)?;
-            // The mark of a model may be a copy that a bake wrote: the first one must write the same.
+            // The mark of a model may be a copy that a bake wrote: the first bake writes the same.
             let is_copy = package.scheme == Scheme::Model && package.folder == target;
             (!is_copy).then(|| package.name_of(mesh, target)).flatten()
         });
