@@ -126,7 +126,6 @@ static void memory(void) {
     FAILS(HULLMAP_RESULT_NULL, "bytes", hullmap_pack_from_memory(NULL, 5, 0, &pack));
     FAILS(HULLMAP_RESULT_INVALID_PACK, "0 bytes", hullmap_pack_from_memory(NULL, 0, 0, &pack));
     FAILS(HULLMAP_RESULT_INVALID_ARGUMENT, "bytes", hullmap_pack_from_memory(file, SIZE_MAX, 0, &pack));
-    FAILS(HULLMAP_RESULT_INVALID_ARGUMENT, "aligned to 64", hullmap_pack_from_memory(file + 4, 5, HULLMAP_OPEN_BORROW, &pack));
     /* Every length but the right one, with a copy that ends where the bytes do. */
     for (size_t cut = 0; cut < length; cut += cut < 100 ? 1 : 97) {
         unsigned char *part = malloc(cut + 1);
@@ -152,7 +151,7 @@ static void memory(void) {
         OK(hullmap_pack_from_memory(aligned + shift, length, 0, &pack));
         hullmap_pack_free(pack);
         HullmapResult result = hullmap_pack_from_memory(aligned + shift, length, HULLMAP_OPEN_BORROW, &pack);
-        EXPECT(result == (shift == 0 ? HULLMAP_RESULT_OK : HULLMAP_RESULT_INVALID_PACK));
+        EXPECT(result == (shift == 0 ? HULLMAP_RESULT_OK : HULLMAP_RESULT_INVALID_ARGUMENT));
         EXPECT(shift == 0 || strstr(hullmap_last_error(), "aligned") != NULL);
         hullmap_pack_free(pack);
     }
